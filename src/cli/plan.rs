@@ -1,0 +1,105 @@
+//! `bladeplan plan JOB.json --out DIR`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::AtomicBool;
+
+use clap::Args;
+
+use super::job::{EXIT_CODES, INVALID, NOT_USABLE, read, refuse};
+use crate::planning::attempt::plan;
+use crate::planning::budget::{Budget, DEFAULT_STEPS};
+use crate::planning::outcome::{Outcome, Verdict};
+use crate::planning::tape::machine::Catalogue;
+
+/// Name of the report.
+const REPORT: &str = "report.json";
+
+/// The arguments of `bladeplan plan`.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct Arguments {
+    /// The job document
+    job: PathBuf,
+    /// The folder for report.json, the programs and the drawings; it is made if need be
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+/// Plans a job and writes what came of it.
+#[must_use]
+pub fn run(arguments: &Arguments) -> ExitCode {
+    let document = match read(&arguments.job) {
+        Ok(document) => document,
+        Err(code) => {
+            eprintln!("nothing was written{}", older_files(&arguments.out));
+            return code;
+        }
+    };
+    let cancelled = AtomicBool::new(false);
+    let say = |stage: &'static str| eprintln!("{stage} ...");
+    let budget = Budget::new(DEFAULT_STEPS, &cancelled, &say);
+    let outcome = match plan(&document, &Catalogue::built_in(), &budget) {
+        Ok(outcome) => outcome,
+        Err(faults) => {
+            let code = refuse(&faults);
+            eprintln!("nothing was written{}", older_files(&arguments.out));
+            return code;
+        }
+    };
+    if let Err(error) = write(&outcome, &arguments.out) {
+        eprintln!("cannot write into {}: {error}", arguments.out.display());
+        return ExitCode::from(INVALID);
+    }
+    for finding in &outcome.findings {
+        eprintln!("{finding}");
+    }
+    match outcome.verdict {
+        Verdict::Usable => ExitCode::SUCCESS,
+        Verdict::NotUsable => {
+            eprintln!("no usable program: see the findings above and in report.json");
+            ExitCode::from(NOT_USABLE)
+        }
+    }
+}
+
+/// What to say of files that an earlier plan has left.
+fn older_files(folder: &Path) -> String {
+    if folder.join(REPORT).exists() {
+        format!("; what lies in {} is of an earlier plan", folder.display())
+    } else {
+        String::new()
+    }
+}
+
+/// Takes away what an earlier plan has left, as its report names it: a program of another job must not lie beside
+/// this one's report.
+fn clear(folder: &Path) -> std::io::Result<()> {
+    let Ok(text) = std::fs::read(folder.join(REPORT)) else { return Ok(()) };
+    let report: serde_json::Value = serde_json::from_slice(&text).unwrap_or_default();
+    let programs = report["programs"].as_array().into_iter().flatten().filter_map(|p| p["name"].as_str());
+    let drawings = report["drawings"].as_array().into_iter().flatten().filter_map(|d| d.as_str());
+    for name in programs.chain(drawings).chain([REPORT]) {
+        // A name with a path in it is not one that was written here.
+        let path = folder.join(name);
+        if Path::new(name).file_name().is_some_and(|plain| plain == name) && path.is_file() {
+            std::fs::remove_file(path)?;
+        }
+    }
+    Ok(())
+}
+
+fn write(outcome: &Outcome, folder: &Path) -> std::io::Result<()> {
+    std::fs::create_dir_all(folder)?;
+    clear(folder)?;
+    let report = serde_json::to_string_pretty(&outcome.report)? + "\n";
+    let files = std::iter::once((REPORT, report.as_str()))
+        .chain(outcome.programs.iter().map(|program| (program.name.as_str(), program.text.as_str())))
+        .chain(outcome.drawings.iter().map(|drawing| (drawing.name.as_str(), drawing.svg.as_str())));
+    for (name, text) in files {
+        let path = folder.join(name);
+        std::fs::write(&path, text)?;
+        println!("{} {} bytes", path.display(), text.len());
+    }
+    Ok(())
+}

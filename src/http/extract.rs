@@ -1,0 +1,126 @@
+//! Paths and queries of requests; what does not fit becomes a problem, never the framework's own text.
+
+use std::fmt::Display;
+use std::str::FromStr;
+
+use axum::extract::rejection::QueryRejection;
+use axum::extract::{FromRequest, FromRequestParts, RawPathParams, Request};
+use axum::http::request::Parts;
+use axum::http::{HeaderMap, header};
+use serde::de::DeserializeOwned;
+
+use super::problem::{Problem, ProblemCode};
+use crate::config::BODY_PAUSE;
+use crate::job::id::{JobId, ProgramId};
+
+/// The query of an address.
+#[derive(Debug, Clone)]
+pub struct Query<T>(pub T);
+
+impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Query<T> {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let read = axum::extract::Query::<T>::from_request_parts(parts, state).await;
+        read.map(|query| Self(query.0)).map_err(|rejection: QueryRejection| {
+            Problem::new(ProblemCode::InvalidQuery).detail(rejection.body_text())
+        })
+    }
+}
+
+/// The JSON body of a small request.
+#[derive(Debug, Clone)]
+pub struct Body<T>(pub T);
+
+/// No body that is read this way needs more, in bytes.
+const LARGEST_BODY: usize = 64 * 1024;
+
+impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for Body<T> {
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, _state: &S) -> Result<Self, Problem> {
+        refuse_other_media(request.headers())?;
+        let read =
+            tokio::time::timeout(BODY_PAUSE, axum::body::to_bytes(request.into_body(), LARGEST_BODY)).await;
+        let bytes = match read {
+            Ok(Ok(bytes)) => bytes,
+            Ok(Err(_)) => {
+                return Err(
+                    Problem::new(ProblemCode::BodyTooLarge).detail(format!("at most {LARGEST_BODY} bytes"))
+                );
+            }
+            Err(_) => return Err(Problem::new(ProblemCode::BodyTooSlow)),
+        };
+        let fault =
+            |error: serde_json::Error| Problem::new(ProblemCode::InvalidRequest).detail(error.to_string());
+        serde_json::from_slice(&bytes).map(Self).map_err(fault)
+    }
+}
+
+/// A page of another site can have a browser post text or a form, but not JSON: what is not said to be JSON is
+/// refused, so that no such page queues or registers anything on a service without keys.
+///
+/// # Errors
+/// `UnsupportedMediaType`.
+pub fn refuse_other_media(headers: &HeaderMap) -> Result<(), Problem> {
+    let kind = headers.get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok()).unwrap_or_default();
+    let kind = kind.split(';').next().unwrap_or_default().trim();
+    if kind.eq_ignore_ascii_case("application/json") {
+        return Ok(());
+    }
+    Err(Problem::new(ProblemCode::UnsupportedMediaType).detail(match kind {
+        "" => "there is no Content-Type".to_owned(),
+        other => format!("Content-Type is {other}"),
+    }))
+}
+
+/// A job id and, where the address has one, a name below it.
+#[derive(Debug, Clone)]
+pub struct JobPath {
+    /// The job.
+    pub id: JobId,
+    /// The name, or an empty text.
+    pub name: String,
+}
+
+/// A program id and, where the address has one, a name below it.
+#[derive(Debug, Clone)]
+pub struct ProgramPath {
+    /// The program.
+    pub id: ProgramId,
+    /// The name, or an empty text.
+    pub name: String,
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for JobPath {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let (id, name) = id_and_name(parts, state, ProblemCode::JobNotFound).await?;
+        Ok(Self { id, name })
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for ProgramPath {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let (id, name) = id_and_name(parts, state, ProblemCode::ProgramNotFound).await?;
+        Ok(Self { id, name })
+    }
+}
+
+/// A text that is no id names nothing: the answer is the one for an id of nothing.
+async fn id_and_name<S, I>(parts: &mut Parts, state: &S, unknown: ProblemCode) -> Result<(I, String), Problem>
+where
+    S: Send + Sync,
+    I: FromStr,
+    I::Err: Display,
+{
+    let params = RawPathParams::from_request_parts(parts, state)
+        .await
+        .map_err(|_| Problem::new(ProblemCode::NotFound))?;
+    let find = |name| params.iter().find(|(key, _)| *key == name).map_or("", |(_, value)| value);
+    let id = find("id").parse().map_err(|error: I::Err| Problem::new(unknown).detail(error.to_string()))?;
+    Ok((id, find("name").to_owned()))
+}

@@ -1,0 +1,55 @@
+//! The OpenAPI document, made from the code. A copy is checked in at `openapi/v1.json` and compared in a test.
+
+use std::sync::LazyLock;
+
+use serde_json::{Value, json};
+use utoipa::OpenApi;
+
+use super::router;
+use crate::planning::document::JOB;
+
+#[derive(OpenApi)]
+#[openapi(
+    info(
+        title = "bladeplan",
+        description = "Plans programs for machines that cut with ultrasonic knives, and hands them to the machines.\n\n\
+            A **job** is a planning request; a job that ends `succeeded` with the verdict `usable` has given a \
+            **program**: immutable bytes for one kind of machine. Errors are `application/problem+json` with a \
+            closed set of codes, every fault of a document at once, and the next step for a person."
+    ),
+    tags(
+        (name = "jobs", description = "Planning requests"),
+        (name = "programs", description = "What jobs gave: immutable bytes with their hash"),
+        (name = "shop floor", description = "Machines, queues and runs"),
+        (name = "operations", description = "For those who run the service")
+    )
+)]
+struct Document;
+
+/// Where handlers point for the job document; its schema is made from the shape that reads it.
+pub const JOB_DOCUMENT: &str = "JobDocument";
+
+static TEXT: LazyLock<String> = LazyLock::new(|| {
+    let document = router::document(Document::openapi());
+    let mut value = serde_json::to_value(document).expect("the document is made of texts and lists of them");
+    value["components"]["schemas"][JOB_DOCUMENT] = job_document();
+    value["components"]["securitySchemes"]["key"] = json!({"type": "http", "scheme": "bearer",
+        "description": "A key that bladeplan key create has printed. Without any keys, the service on loopback asks for none."});
+    value["security"] = json!([{"key": []}, {}]);
+    value["paths"]["/v1/jobs"]["post"]["requestBody"]["required"] = json!(true);
+    let mut text = serde_json::to_string_pretty(&value).expect("a JSON value can be written");
+    text.push('\n');
+    text
+});
+
+/// The document as JSON.
+#[must_use]
+pub fn text() -> &'static str {
+    &TEXT
+}
+
+fn job_document() -> Value {
+    let mut schema = JOB.schema();
+    schema["description"] = json!("A job. Lengths are in mm, angles in degrees; numbers must be finite.");
+    schema
+}

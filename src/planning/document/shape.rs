@@ -1,0 +1,383 @@
+//! Shapes: what a JSON value must look like, as data.
+//!
+//! A shape is walked over a parsed value and every fault is reported at once with its JSON pointer; the same
+//! shape is printed as a JSON Schema into the `OpenAPI` document. The typed reading that follows cannot fail on
+//! a value that fits its shape.
+
+use serde_json::{Map, Value, json};
+
+use crate::planning::finding::{Code, Finding};
+
+/// What a JSON value must look like.
+pub enum Shape {
+    /// An object with these fields and no others.
+    Object(&'static [Field]),
+    /// An object in which one field decides which fields the others are.
+    Tagged {
+        /// The deciding field.
+        tag: &'static str,
+        /// Its values, each with the fields of the whole object.
+        variants: &'static [(&'static str, &'static [Field])],
+    },
+    /// An array.
+    Array {
+        /// The shape of each item.
+        item: &'static Shape,
+        /// The fewest items.
+        min: usize,
+        /// The most items.
+        max: usize,
+    },
+    /// A finite number within closed limits.
+    Number {
+        /// The smallest value.
+        min: f64,
+        /// The largest value.
+        max: f64,
+    },
+    /// A finite number above zero and up to a limit.
+    Positive {
+        /// The largest value.
+        max: f64,
+    },
+    /// A whole number within closed limits.
+    Integer {
+        /// The smallest value.
+        min: i64,
+        /// The largest value.
+        max: i64,
+    },
+    /// Text of at most so many characters.
+    Text {
+        /// The most characters.
+        max_chars: usize,
+    },
+    /// true or false.
+    Boolean,
+    /// One of these words.
+    Word(&'static [&'static str]),
+    /// An object whose fields are free names, each with a text of at most so many characters.
+    Texts {
+        /// The most fields.
+        max: usize,
+        /// The most characters of a name or a text.
+        max_chars: usize,
+    },
+    /// Three finite numbers, each at most so large: a point or a direction.
+    Triple {
+        /// The largest absolute value.
+        limit: f64,
+    },
+    /// A text, or an object of this shape.
+    TextOr {
+        /// The most characters of the text.
+        max_chars: usize,
+        /// The shape otherwise.
+        shape: &'static Shape,
+    },
+    /// An array of this shape, or an object naming a file.
+    ArrayOrFile(&'static Shape),
+}
+
+/// A field of an object.
+pub struct Field {
+    /// Its name.
+    pub name: &'static str,
+    /// Whether it must be there.
+    pub required: bool,
+    /// What its value must look like.
+    pub shape: Shape,
+}
+
+/// A field that must be there.
+pub const fn required(name: &'static str, shape: Shape) -> Field {
+    Field { name, required: true, shape }
+}
+
+/// A field that may be left out.
+pub const fn optional(name: &'static str, shape: Shape) -> Field {
+    Field { name, required: false, shape }
+}
+
+/// At most so many faults are listed; a document with more is not worth reading further.
+const MOST_FAULTS: usize = 100;
+
+/// A fault message quotes at most so many characters of what it found.
+const MOST_QUOTED: usize = 40;
+
+impl Shape {
+    /// Every fault of `value` against this shape, each with its JSON pointer below `at`.
+    #[must_use]
+    pub fn faults(&self, value: &Value, at: &str) -> Vec<Finding> {
+        let mut faults = Vec::new();
+        self.visit(value, at, &mut faults);
+        faults.truncate(MOST_FAULTS);
+        faults
+    }
+
+    fn visit(&self, value: &Value, at: &str, faults: &mut Vec<Finding>) {
+        if faults.len() >= MOST_FAULTS {
+            return;
+        }
+        match self {
+            Self::Object(fields) => visit_object(fields, value, at, faults),
+            Self::Tagged { tag, variants } => visit_tagged(tag, variants, value, at, faults),
+            Self::Array { item, min, max } => visit_array(item, *min, *max, value, at, faults),
+            Self::Number { min, max } => visit_number(
+                value,
+                at,
+                faults,
+                |x| (*min..=*max).contains(&x),
+                || format!("must lie between {min} and {max}"),
+            ),
+            Self::Positive { max } => visit_number(
+                value,
+                at,
+                faults,
+                |x| x > 0.0 && x <= *max,
+                || format!("must be above 0 and at most {max}"),
+            ),
+            Self::Integer { min, max } => visit_integer(*min, *max, value, at, faults),
+            Self::Text { max_chars } => visit_text(*max_chars, value, at, faults),
+            Self::Boolean => expect(value.is_boolean(), "true or false", value, at, faults),
+            Self::Word(words) => visit_word(words, value, at, faults),
+            Self::Texts { max, max_chars } => visit_texts(*max, *max_chars, value, at, faults),
+            Self::Triple { limit } => visit_triple(*limit, value, at, faults),
+            Self::TextOr { max_chars, shape } => match value {
+                Value::String(_) => visit_text(*max_chars, value, at, faults),
+                _ => shape.visit(value, at, faults),
+            },
+            Self::ArrayOrFile(shape) => match value {
+                Value::Object(_) => visit_object(FILE_FIELDS, value, at, faults),
+                _ => shape.visit(value, at, faults),
+            },
+        }
+    }
+}
+
+const FILE_FIELDS: &[Field] = &[required("file", Shape::Text { max_chars: 255 })];
+
+fn visit_object(fields: &[Field], value: &Value, at: &str, faults: &mut Vec<Finding>) {
+    let Value::Object(map) = value else {
+        return expect(false, "an object", value, at, faults);
+    };
+    for field in fields {
+        match map.get(field.name) {
+            Some(inner) => field.shape.visit(inner, &pointer(at, field.name), faults),
+            None if field.required => faults.push(Finding::error(
+                Code::MissingField,
+                pointer(at, field.name),
+                format!("the field {} must be there", field.name),
+            )),
+            None => {}
+        }
+    }
+    report_unknown(fields, map, at, faults);
+}
+
+fn report_unknown(fields: &[Field], map: &Map<String, Value>, at: &str, faults: &mut Vec<Finding>) {
+    for name in map.keys().filter(|name| fields.iter().all(|f| f.name != *name)) {
+        let known: Vec<_> = fields.iter().map(|f| f.name).collect();
+        faults.push(Finding::error(
+            Code::UnknownField,
+            pointer(at, name),
+            format!("there is no field {}; known here: {}", quoted(name), known.join(", ")),
+        ));
+    }
+}
+
+fn visit_tagged(
+    tag: &'static str,
+    variants: &[(&'static str, &'static [Field])],
+    value: &Value,
+    at: &str,
+    faults: &mut Vec<Finding>,
+) {
+    let Value::Object(map) = value else {
+        return expect(false, "an object", value, at, faults);
+    };
+    let words: Vec<_> = variants.iter().map(|(word, _)| *word).collect();
+    match map.get(tag) {
+        None => faults.push(Finding::error(
+            Code::MissingField,
+            pointer(at, tag),
+            format!("the field {tag} must be there, one of: {}", words.join(", ")),
+        )),
+        Some(Value::String(found)) => match variants.iter().find(|(word, _)| word == found) {
+            Some((_, fields)) => visit_object(fields, value, at, faults),
+            None => faults.push(unknown_word(&words, found, &pointer(at, tag))),
+        },
+        Some(other) => expect(false, "a text", other, &pointer(at, tag), faults),
+    }
+}
+
+fn visit_array(item: &Shape, min: usize, max: usize, value: &Value, at: &str, faults: &mut Vec<Finding>) {
+    let Value::Array(items) = value else {
+        return expect(false, "an array", value, at, faults);
+    };
+    if !(min..=max).contains(&items.len()) {
+        let message = format!("has {} items; {min} to {max} are allowed", items.len());
+        faults.push(Finding::error(Code::WrongCount, at, message));
+        return;
+    }
+    for (index, inner) in items.iter().enumerate() {
+        // A pointer is only written out for an item with a fault: outlines have a million points.
+        let before = faults.len();
+        item.visit(inner, "", faults);
+        for fault in &mut faults[before..] {
+            fault.at = format!("{at}/{index}{}", fault.at);
+        }
+    }
+}
+
+fn visit_number(
+    value: &Value,
+    at: &str,
+    faults: &mut Vec<Finding>,
+    fits: impl Fn(f64) -> bool,
+    limit: impl Fn() -> String,
+) {
+    match value.as_f64() {
+        Some(number) if fits(number) => {}
+        Some(number) => {
+            faults.push(Finding::error(Code::OutOfRange, at, format!("is {number}; it {}", limit())))
+        }
+        None => expect(false, "a number", value, at, faults),
+    }
+}
+
+fn visit_integer(min: i64, max: i64, value: &Value, at: &str, faults: &mut Vec<Finding>) {
+    match value.as_i64() {
+        Some(number) if (min..=max).contains(&number) => {}
+        Some(number) => {
+            let message = format!("is {number}; it must lie between {min} and {max}");
+            faults.push(Finding::error(Code::OutOfRange, at, message));
+        }
+        None => expect(false, "a whole number", value, at, faults),
+    }
+}
+
+fn visit_text(max_chars: usize, value: &Value, at: &str, faults: &mut Vec<Finding>) {
+    let Value::String(text) = value else {
+        return expect(false, "a text", value, at, faults);
+    };
+    let length = text.chars().count();
+    if length > max_chars {
+        let message = format!("has {length} characters; at most {max_chars} are allowed");
+        faults.push(Finding::error(Code::WrongCount, at, message));
+    }
+}
+
+fn visit_word(words: &[&str], value: &Value, at: &str, faults: &mut Vec<Finding>) {
+    match value {
+        Value::String(found) if words.contains(&found.as_str()) => {}
+        Value::String(found) => faults.push(unknown_word(words, found, at)),
+        _ => expect(false, "a text", value, at, faults),
+    }
+}
+
+fn visit_texts(max: usize, max_chars: usize, value: &Value, at: &str, faults: &mut Vec<Finding>) {
+    let Value::Object(map) = value else {
+        return expect(false, "an object", value, at, faults);
+    };
+    if map.len() > max {
+        let message = format!("has {} fields; at most {max} are allowed", map.len());
+        faults.push(Finding::error(Code::WrongCount, at, message));
+    }
+    for (name, text) in map {
+        visit_text(max_chars, &Value::String(name.clone()), &pointer(at, name), faults);
+        visit_text(max_chars, text, &pointer(at, name), faults);
+    }
+}
+
+fn visit_triple(limit: f64, value: &Value, at: &str, faults: &mut Vec<Finding>) {
+    let Value::Array(items) = value else {
+        return expect(false, "an array of three numbers", value, at, faults);
+    };
+    if items.len() != 3 {
+        let message = format!("has {} numbers; a point has three: x, y, z", items.len());
+        return faults.push(Finding::error(Code::WrongCount, at, message));
+    }
+    for (index, item) in items.iter().enumerate() {
+        if !item.as_f64().is_some_and(|x| x.abs() <= limit) {
+            Shape::Number { min: -limit, max: limit }.visit(item, &format!("{at}/{index}"), faults);
+        }
+    }
+}
+
+fn expect(fits: bool, wanted: &str, value: &Value, at: &str, faults: &mut Vec<Finding>) {
+    if fits {
+        return;
+    }
+    let found = match value {
+        Value::Null => "null".to_owned(),
+        Value::Bool(flag) => flag.to_string(),
+        Value::Number(number) => format!("the number {number}"),
+        Value::String(text) => format!("the text {}", quoted(text)),
+        Value::Array(_) => "an array".to_owned(),
+        Value::Object(_) => "an object".to_owned(),
+    };
+    faults.push(Finding::error(Code::WrongType, at, format!("must be {wanted}, not {found}")));
+}
+
+fn unknown_word(words: &[&str], found: &str, at: &str) -> Finding {
+    Finding::error(
+        Code::UnknownValue,
+        at,
+        format!("{} is not known; one of: {}", quoted(found), words.join(", ")),
+    )
+}
+
+/// A text from outside, made safe and short enough to be quoted in a message.
+fn quoted(text: &str) -> String {
+    let mut short: String = text.chars().take(MOST_QUOTED).collect();
+    if short.len() < text.len() {
+        short.push_str("...");
+    }
+    format!("{short:?}")
+}
+
+/// The JSON pointer (RFC 6901) of a field below `at`.
+#[must_use]
+pub fn pointer(at: &str, name: &str) -> String {
+    format!("{at}/{}", name.replace('~', "~0").replace('/', "~1"))
+}
+
+impl Shape {
+    /// This shape as a JSON Schema (draft 2020-12, as `OpenAPI` 3.1 has it).
+    #[must_use]
+    pub fn schema(&self) -> Value {
+        match self {
+            Self::Object(fields) => object_schema(fields),
+            Self::Tagged { tag, variants } => json!({"oneOf": variants.iter().map(|(word, fields)| {
+                let mut schema = object_schema(fields);
+                schema["properties"][*tag] = json!({"const": word});
+                schema["title"] = json!(word);
+                schema
+            }).collect::<Vec<_>>()}),
+            Self::Array { item, min, max } => {
+                json!({"type": "array", "items": item.schema(), "minItems": min, "maxItems": max})
+            }
+            Self::Number { min, max } => json!({"type": "number", "minimum": min, "maximum": max}),
+            Self::Positive { max } => json!({"type": "number", "exclusiveMinimum": 0, "maximum": max}),
+            Self::Integer { min, max } => json!({"type": "integer", "minimum": min, "maximum": max}),
+            Self::Text { max_chars } => json!({"type": "string", "maxLength": max_chars}),
+            Self::Boolean => json!({"type": "boolean"}),
+            Self::Word(words) => json!({"type": "string", "enum": words}),
+            Self::Texts { max, max_chars } => json!({"type": "object", "maxProperties": max,
+                "additionalProperties": {"type": "string", "maxLength": max_chars}}),
+            Self::Triple { limit } => json!({"type": "array", "minItems": 3, "maxItems": 3,
+                "items": {"type": "number", "minimum": -limit, "maximum": limit}}),
+            Self::TextOr { max_chars, shape } => {
+                json!({"oneOf": [{"type": "string", "maxLength": max_chars}, shape.schema()]})
+            }
+            Self::ArrayOrFile(shape) => json!({"oneOf": [shape.schema(), object_schema(FILE_FIELDS)]}),
+        }
+    }
+}
+
+fn object_schema(fields: &[Field]) -> Value {
+    let properties: Map<_, _> = fields.iter().map(|f| (f.name.to_owned(), f.shape.schema())).collect();
+    let required: Vec<_> = fields.iter().filter(|f| f.required).map(|f| f.name).collect();
+    json!({"type": "object", "additionalProperties": false, "properties": properties, "required": required})
+}

@@ -1,0 +1,229 @@
+//! What can be seen of a plan: its pieces and what the knives do, thinned out to the scale of a drawing.
+
+use super::sheet::DOT_MM;
+use crate::planning::geometry::Point2;
+use crate::planning::geometry::polygon::edges;
+use crate::planning::geometry::simplify::kept;
+use crate::planning::program::number::fixed;
+use crate::planning::tape::chain::{Chain, Slope};
+use crate::planning::tape::input::TapeInput;
+use crate::planning::tape::machine::CutSide;
+use crate::planning::tape::piece::{Piece, Side};
+use crate::planning::tape::plan::{PlannedCourse, PlannedPiece, TapePlan};
+
+/// A piece as it is drawn, in the (u, v) of its course in mm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PieceSketch {
+    /// Number of its course.
+    pub course: u32,
+    /// Which piece of its course it is, from 1 in laying direction, and of how many.
+    pub number: (usize, usize),
+    /// r - u in mm.
+    pub offset_mm: f64,
+    /// Smallest and largest u.
+    pub u: (f64, f64),
+    /// Area in mm^2.
+    pub area_mm2: f64,
+    /// Its outline, then its cut-outs.
+    pub loops: Vec<Vec<Point2>>,
+    /// What of its outline is the tape's own edge.
+    pub tape_edges: Vec<(Point2, Point2)>,
+    /// Its cuts: one entry for each chain of the plan.
+    pub cuts: Vec<CutSketch>,
+    /// The published Edge0 and Edge1 of each cut that begins and ends on a tape edge.
+    pub edge_points: Vec<EdgePoint>,
+}
+
+/// A cut that one knife makes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CutSketch {
+    /// Its cutter, from 0.
+    pub cutter: usize,
+    /// `\`, `/` or `-`.
+    pub slope: Slope,
+    /// (u, v) in mm, u never increasing.
+    pub points: Vec<Point2>,
+}
+
+/// Where a cut meets the tape's edge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EdgePoint {
+    /// `Edge0`, `Edge1`; with a prime at the end of the course, as the papers write them.
+    pub name: &'static str,
+    /// (u, v) in mm.
+    pub at: Point2,
+}
+
+/// A place where a knife goes down or comes up, on the roll.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KnifeMark {
+    /// Its cutter, from 0.
+    pub cutter: usize,
+    /// Which stroke of its cutter, from 1 in the order of cutting.
+    pub stroke: usize,
+    /// Down or up.
+    pub down: bool,
+    /// (r, v) in mm.
+    pub at: Point2,
+}
+
+/// The pieces of a plan in increasing roll coordinate, for a drawing in which `scale_denominator` mm are one.
+#[must_use]
+pub fn pieces(plan: &TapePlan, input: &TapeInput, scale_denominator: f64) -> Vec<PieceSketch> {
+    let thin_mm = DOT_MM * scale_denominator;
+    plan.order
+        .iter()
+        .zip(plan.pieces())
+        .map(|(&(_, index), (course, planned))| {
+            piece(course, index, planned, input.machine.cut_side, thin_mm)
+        })
+        .collect()
+}
+
+fn piece(
+    course: &PlannedCourse,
+    index: usize,
+    planned: &PlannedPiece,
+    cut_side: CutSide,
+    thin_mm: f64,
+) -> PieceSketch {
+    let cut = |(chain, cutter): &(Chain, usize)| CutSketch {
+        cutter: *cutter,
+        slope: chain.slope,
+        points: thinned(&chain.points, thin_mm),
+    };
+    PieceSketch {
+        course: course.number,
+        number: (index + 1, course.pieces.len()),
+        offset_mm: planned.offset_mm,
+        u: planned.piece.u_range(),
+        area_mm2: planned.piece.area_mm2,
+        loops: loops(&planned.piece, thin_mm),
+        tape_edges: tape_edges(&planned.piece),
+        cuts: planned.chains.iter().map(cut).collect(),
+        edge_points: edge_points(&planned.piece, cut_side),
+    }
+}
+
+fn thinned(points: &[Point2], thin_mm: f64) -> Vec<Point2> {
+    kept(points, thin_mm).into_iter().map(|index| points[index]).collect()
+}
+
+fn loops(piece: &Piece, thin_mm: f64) -> Vec<Vec<Point2>> {
+    let mut outline = Vec::new();
+    for side in &piece.sides {
+        if let Side::Cut(points) = side {
+            outline.extend(thinned(points, thin_mm));
+        }
+    }
+    std::iter::once(outline).chain(piece.holes.iter().map(|hole| thinned(hole, thin_mm))).collect()
+}
+
+fn tape_edges(piece: &Piece) -> Vec<(Point2, Point2)> {
+    let edges = piece.sides.iter().filter_map(|side| match side {
+        Side::TapeEdge(from, to) => Some((*from, *to)),
+        Side::Cut(_) => None,
+    });
+    edges.collect()
+}
+
+/// The papers walk the ply's boundary clockwise, seen from the normals' side: from Edge0 to Edge1. Seen in
+/// (u, v) that is clockwise where the knives work on the film, because then W = +N, and the other way round
+/// on the paper (domain.md A3). A piece's own outline is counter-clockwise.
+fn edge_points(piece: &Piece, cut_side: CutSide) -> Vec<EdgePoint> {
+    let mut found = Vec::new();
+    for side in &piece.sides {
+        let Side::Cut(points) = side else { continue };
+        let (Some(&first), Some(&last)) = (points.first(), points.last()) else { continue };
+        if first == last {
+            continue;
+        }
+        // Counter-clockwise, the end of a course is cut in +V.
+        let names = if first.y < last.y { ["Edge0'", "Edge1'"] } else { ["Edge0", "Edge1"] };
+        let ends = match cut_side {
+            CutSide::Film => [last, first],
+            CutSide::Paper => [first, last],
+        };
+        found.extend(names.into_iter().zip(ends).map(|(name, at)| EdgePoint { name, at }));
+    }
+    found
+}
+
+/// Where the knives go down and come up, in the order of cutting, cutter by cutter: what the program does.
+#[must_use]
+pub fn knife_marks(plan: &TapePlan, input: &TapeInput) -> Vec<KnifeMark> {
+    let mut marks = Vec::new();
+    for (cutter, strokes) in plan.strokes(input).into_iter().enumerate() {
+        let r_of_x0 = plan.figures.lead_mm + input.machine.cutters[cutter].station.mm();
+        for (index, stroke) in strokes.iter().enumerate() {
+            let ends = [(true, stroke.knots.first()), (false, stroke.knots.last())];
+            marks.extend(ends.into_iter().filter_map(|(down, knot)| {
+                let at = knot.map(|knot| Point2::new(r_of_x0 - knot.x, knot.v))?;
+                Some(KnifeMark { cutter, stroke: index + 1, down, at })
+            }));
+        }
+    }
+    marks
+}
+
+impl PieceSketch {
+    /// `3`, or `3.2` for the second piece of a course with several.
+    #[must_use]
+    pub fn label(&self) -> String {
+        let (number, of) = self.number;
+        if of > 1 { format!("{}.{number}", self.course) } else { self.course.to_string() }
+    }
+
+    /// The longest stretch of u, between `low` and `high`, in which the piece is crossed by a line along the tape:
+    /// the centre line, or the one through its middle if that crosses it for a quarter longer. With the
+    /// line's v.
+    #[must_use]
+    pub fn longest_stretch(&self, (low, high): (f64, f64)) -> Option<(f64, (f64, f64))> {
+        let of_line = |v: f64| {
+            let within = |(from, to): (f64, f64)| (from.clamp(low, high), to.clamp(low, high));
+            let stretches = self.stretches(v).into_iter().map(within).filter(|(from, to)| from < to);
+            let longest = stretches.max_by(|one, other| (one.1 - one.0).total_cmp(&(other.1 - other.0)))?;
+            Some((v, longest))
+        };
+        let length = |line: &Option<(f64, (f64, f64))>| line.map_or(0.0, |(_, (from, to))| to - from);
+        let (centre, middle) = (of_line(0.0), of_line(self.middle_v()));
+        if length(&middle) > 1.25 * length(&centre) { middle } else { centre }
+    }
+
+    /// The stretches of u in which the line at v runs in the piece.
+    fn stretches(&self, v: f64) -> Vec<(f64, f64)> {
+        let crossed =
+            self.loops.iter().flat_map(|points| edges(points)).filter(|(a, b)| (a.y > v) != (b.y > v));
+        let mut crossings: Vec<f64> =
+            crossed.map(|(a, b)| a.x + (v - a.y) / (b.y - a.y) * (b.x - a.x)).collect();
+        crossings.sort_by(f64::total_cmp);
+        crossings.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect()
+    }
+
+    fn middle_v(&self) -> f64 {
+        let v = self.loops.iter().flatten().map(|point| point.y);
+        let (low, high) = v.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        f64::midpoint(low, high)
+    }
+}
+
+impl CutSketch {
+    /// Smallest and largest u.
+    #[must_use]
+    pub fn u_range(&self) -> (f64, f64) {
+        (self.points[self.points.len() - 1].x, self.points[0].x)
+    }
+
+    /// What a browser shows when the pointer rests on the cut; `shift` is added to its u.
+    #[must_use]
+    pub fn title(&self, axis: char, shift: f64) -> String {
+        let slope = match self.slope {
+            Slope::Falling => "\\",
+            Slope::Flat => "-",
+            Slope::Rising => "/",
+        };
+        let (low, high) = self.u_range();
+        let (from, to) = (fixed(high + shift, 2), fixed(low + shift, 2));
+        format!("cutter {}, {slope}, {axis} {from} to {to} mm", self.cutter + 1)
+    }
+}

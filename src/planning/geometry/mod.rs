@@ -1,0 +1,12 @@
+//! Plane geometry without meaning: polygons, crossings, simplification. Lengths are in mm throughout.
+
+pub mod crossing;
+pub mod polygon;
+pub mod simplify;
+
+/// A point of a plane.
+pub type Point2 = nalgebra::Point2<f64>;
+/// A point in space.
+pub type Point3 = nalgebra::Point3<f64>;
+/// A direction or displacement in space.
+pub type Vector3 = nalgebra::Vector3<f64>;

@@ -1,0 +1,13 @@
+//! The pure core: planning, programs and their verification. It knows no clock, file, network, database or thread.
+
+pub mod attempt;
+pub mod budget;
+pub mod document;
+pub mod drawing;
+pub mod finding;
+pub mod geometry;
+pub mod outcome;
+pub mod program;
+pub mod tape;
+pub mod tolerance;
+pub mod units;

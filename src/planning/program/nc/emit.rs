@@ -1,0 +1,139 @@
+//! Tape programs as text in the `linuxcnc` dialect.
+//!
+//! Inverse-time feed (G93), because F on mixed axes is neither knife's speed; exact path (G61), because every
+//! move starts and ends at rest; outputs that act at once (M64/M65), because everything stands when they do.
+//! Nothing in the text comes from a person: only numbers, and the hash of the input.
+
+use crate::planning::outcome::PLANNER_VERSION;
+use crate::planning::program::moves::{Pose, Step, TapeProgram};
+use crate::planning::program::number::fixed;
+use crate::planning::tape::machine::Machine;
+use crate::planning::tape::stroke::DECIMALS;
+
+/// Decimals of the feed word.
+const FEED_DECIMALS: usize = 4;
+
+/// The move into place at a restart may take so long, in s: the whole travel of any carriage is then slow.
+const RESTORE_S: f64 = 60.0;
+
+/// Modal state that every place needs from which the program may be started.
+const MODES: &str = "G21 G90 G17 G40 G49 G61 G93";
+
+/// Writes a program.
+///
+/// `input_sha256` is in lower-case hex. Lines end with LF.
+#[must_use]
+pub fn emit(program: &TapeProgram, machine: &Machine, input_sha256: &str) -> String {
+    let mut writer =
+        Writer { machine, text: String::new(), pose: Pose::default(), number: 0, all_axes: false };
+    writer.header(input_sha256);
+    for step in &program.steps {
+        writer.step(step);
+    }
+    writer.block("M2");
+    writer.text
+}
+
+struct Writer<'a> {
+    machine: &'a Machine,
+    text: String,
+    pose: Pose,
+    number: u32,
+    /// Whether the next move names every axis, so that the program can be started there.
+    all_axes: bool,
+}
+
+impl Writer<'_> {
+    fn header(&mut self, input_sha256: &str) {
+        self.comment(&format!("BLADEPLAN {PLANNER_VERSION} TAPE CUT"));
+        self.comment(&format!("INPUT {}", input_sha256.to_ascii_uppercase()));
+        self.comment("ALL AXES AT ZERO, LEADING END OF THE TAPE UNDER CUTTER 1, KNIVES UP");
+        self.block(MODES);
+    }
+
+    fn step(&mut self, step: &Step) {
+        match *step {
+            Step::Move { to, cruise_s } => self.move_to(&to, cruise_s),
+            Step::Knife { cutter, down } => self.output(self.machine.cutters[cutter].knife_output, down),
+            Step::Ultrasonic { on } => self.output(self.machine.ultrasonic_output, on),
+            Step::Dwell { seconds } => self.block(&format!("G4 P{}", fixed(seconds, DECIMALS))),
+            Step::Course { number, restartable } => self.course(number, restartable),
+            Step::OptionalStop => self.block("M1"),
+        }
+    }
+
+    fn course(&mut self, number: u32, restartable: bool) {
+        if !restartable {
+            return self.comment(&format!("COURSE {number}, A KNIFE IS DOWN, NO RESTART HERE"));
+        }
+        self.comment(&format!("COURSE {number}, RESTART HERE"));
+        self.block(MODES);
+        self.restore();
+    }
+
+    /// Brings the machine from wherever it stands to where the program is: knives up, ultrasonic on, every axis in
+    /// its place. In a run from the start nothing of this moves or switches anything.
+    fn restore(&mut self) {
+        let machine = self.machine;
+        for cutter in &machine.cutters {
+            self.output(cutter.knife_output, false);
+        }
+        self.block(&format!("G4 P{}", fixed(machine.settled().s(), DECIMALS)));
+        self.output(machine.ultrasonic_output, true);
+        let here = self.pose;
+        self.all_axes = true;
+        self.move_to(&here, RESTORE_S);
+    }
+
+    fn output(&mut self, number: u32, on: bool) {
+        self.block(&format!("{} P{number}", if on { "M64" } else { "M65" }));
+    }
+
+    fn move_to(&mut self, to: &Pose, cruise_s: f64) {
+        let mut words = String::from("G1");
+        let mut word = |letter: char, value: f64, before: f64| {
+            if value != before || self.all_axes {
+                words.push_str(&format!(" {letter}{}", fixed(value, DECIMALS)));
+            }
+        };
+        word(self.machine.feed.axis, to.feed_mm, self.pose.feed_mm);
+        for (k, cutter) in self.machine.cutters.iter().enumerate() {
+            word(cutter.lateral_axis, to.lateral_mm[k], self.pose.lateral_mm[k]);
+        }
+        for (k, cutter) in self.machine.cutters.iter().enumerate() {
+            word(cutter.blade_axis, to.blade_deg[k], self.pose.blade_deg[k]);
+        }
+        words.push_str(&format!(" F{}", feed_word(cruise_s)));
+        self.block(&words);
+        self.pose = *to;
+        self.all_axes = false;
+    }
+
+    fn block(&mut self, words: &str) {
+        self.number += 10;
+        self.text.push_str(&format!("N{} {words}\n", self.number));
+    }
+
+    fn comment(&mut self, text: &str) {
+        self.text.push_str(&format!("({text})\n"));
+    }
+}
+
+/// F = 60 / cruising time, rounded down: a limit of speed holds for the printed digits too.
+fn feed_word(cruise_s: f64) -> String {
+    let scale = 10_f64.powi(FEED_DECIMALS as i32);
+    fixed((60.0 / cruise_s * scale).floor() / scale, FEED_DECIMALS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_feed_word_never_asks_for_more_speed() {
+        for cruise_s in [1e-4, 0.006, 0.123_456_7, 1.0, 33.3, 4000.0] {
+            let feed: f64 = feed_word(cruise_s).parse().unwrap();
+            assert!(60.0 / feed >= cruise_s && 60.0 / feed < cruise_s * 1.01, "{cruise_s} gives {feed}");
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! NC programs (RS-274).
+
+pub mod emit;
+pub mod read;

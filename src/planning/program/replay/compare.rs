@@ -1,0 +1,249 @@
+//! Cuts made against cuts wanted: what is missing, what is too much, how far the rest is off.
+
+use super::ReplaySetup;
+use super::curves::Curves;
+use super::faults::Faults;
+use super::nearness::{GAP_MM, Probe, Segment, Span, distance, far_parts, is_near};
+use super::passes;
+use super::strokes::Stroke;
+use crate::planning::finding::Code;
+use crate::planning::tolerance::REPLAY_SLACK_MM;
+
+/// A cut up to this far, in mm, from a wanted one is that cut in a wrong place; beyond, it is another cut.
+const BELONGS_MM: f64 = 1.0;
+
+/// This length in mm of missing, and of unwanted, cuts in a whole roll is no fault: rounded ends of strokes.
+/// It equals twice the positioning of the knives, and no point of it may be out of tolerance all the same.
+const NEGLIGIBLE_MM: f64 = 0.02;
+
+/// The figures of a comparison, in mm.
+pub(super) struct Compared {
+    pub(super) max_deviation_mm: f64,
+    pub(super) uncut_mm: f64,
+    pub(super) unwanted_mm: f64,
+}
+
+/// Compares the strokes of a program with the wanted cuts.
+pub(super) fn compare(setup: &ReplaySetup<'_>, strokes: &[Stroke], faults: &mut Faults<'_>) -> Compared {
+    let within_mm = setup.tolerance_mm + REPLAY_SLACK_MM;
+    let wanted = Curves::of(setup.wanted.iter().map(|cut| cut.points.as_slice()));
+    let made = Curves::of(strokes.iter().map(|stroke| stroke.points.as_slice()));
+    let comparison = Comparison {
+        setup,
+        strokes,
+        within_mm,
+        missing: Side::of(&wanted, &made, within_mm),
+        extra: Side::of(&made, &wanted, within_mm),
+        twice: passes::twice(&made, &wanted, within_mm),
+        wanted,
+        made,
+    };
+    comparison.judge(faults)
+}
+
+/// The distance of some curves, the probes, from others.
+struct Side {
+    /// The largest distance of a piece that is near all along, in mm.
+    worst_mm: f64,
+    /// That piece.
+    worst: Option<usize>,
+    /// What is not near.
+    runs: Vec<Run>,
+}
+
+/// A part of a curve that is farther than it may be from anything.
+struct Run {
+    /// Piece in which it begins.
+    piece: usize,
+    from: [f64; 2],
+    to: [f64; 2],
+    length_mm: f64,
+    /// The largest distance if it all belongs to some cut, none if it reaches where there is none.
+    off_mm: Option<f64>,
+}
+
+impl Side {
+    fn of(probes: &Curves, others: &Curves, within_mm: f64) -> Self {
+        let mut measure = Measure { others, found: Vec::new(), near: Vec::new() };
+        let mut side = Self { worst_mm: 0.0, worst: None, runs: Vec::new() };
+        let mut open: Vec<(usize, Probe, Span)> = Vec::new();
+        for (index, piece) in probes.pieces.iter().enumerate() {
+            let probe = Probe::along(piece.ends);
+            let follows = index > 0 && piece.joined && probes.pieces[index - 1].curve == piece.curve;
+            let far = measure.far(&probe, piece.ends, within_mm);
+            if far.is_empty() {
+                side.tighten(index, &probe, &measure, within_mm);
+            }
+            if !follows || far.first().is_none_or(|(from, _)| *from > GAP_MM) {
+                side.close(&mut open, probes, &mut measure, within_mm);
+            }
+            for part in far {
+                open.push((index, probe, part));
+                if part.1 < probe.length - GAP_MM {
+                    side.close(&mut open, probes, &mut measure, within_mm);
+                }
+            }
+        }
+        side.close(&mut open, probes, &mut measure, within_mm);
+        side
+    }
+
+    /// Only a piece that exceeds the worst so far is measured; the others are seen not to exceed it.
+    ///
+    /// A piece that is near in part only says nothing here: its distance grows to the limit where its run begins.
+    fn tighten(&mut self, piece: usize, probe: &Probe, measure: &Measure<'_>, within_mm: f64) {
+        let off_mm = distance(probe, (0.0, probe.length), &measure.near, self.worst_mm, within_mm);
+        if off_mm > self.worst_mm {
+            (self.worst_mm, self.worst) = (off_mm, Some(piece));
+        }
+    }
+
+    fn close(
+        &mut self,
+        open: &mut Vec<(usize, Probe, Span)>,
+        probes: &Curves,
+        measure: &mut Measure<'_>,
+        within_mm: f64,
+    ) {
+        let (Some((piece, first, begin)), Some((_, last, end))) = (open.first(), open.last()) else { return };
+        let belongs_mm = BELONGS_MM.max(2.0 * within_mm);
+        let off_mm = open.iter().try_fold(within_mm, |off_mm, (piece, probe, part)| {
+            measure.look(probes.pieces[*piece].ends, belongs_mm);
+            is_near(probe, *part, &measure.near, belongs_mm)
+                .then(|| distance(probe, *part, &measure.near, off_mm, belongs_mm))
+        });
+        let length_mm = open.iter().map(|(_, _, (from, to))| to - from).sum();
+        let (from, to) = (first.point(begin.0), last.point(end.1));
+        self.runs.push(Run { piece: *piece, from, to, length_mm, off_mm });
+        open.clear();
+    }
+
+    /// The largest deviation of what belongs together, and its piece.
+    fn deviation(&self) -> (f64, Option<usize>) {
+        let displaced = self.runs.iter().filter_map(|run| run.off_mm.map(|off_mm| (off_mm, Some(run.piece))));
+        displaced.fold((self.worst_mm, self.worst), |most, next| if next.0 > most.0 { next } else { most })
+    }
+
+    fn length_mm(&self) -> f64 {
+        self.runs.iter().map(|run| run.length_mm).sum()
+    }
+}
+
+/// Looks for what is near a piece.
+struct Measure<'a> {
+    others: &'a Curves,
+    found: Vec<u32>,
+    near: Vec<Segment>,
+}
+
+impl Measure<'_> {
+    fn look(&mut self, ends: Segment, radius: f64) {
+        self.others.near(ends, radius, &mut self.found);
+        self.near.clear();
+        self.near.extend(self.found.iter().map(|place| self.others.pieces[*place as usize].ends));
+    }
+
+    fn far(&mut self, probe: &Probe, ends: Segment, radius: f64) -> Vec<Span> {
+        self.look(ends, radius);
+        far_parts(probe, (0.0, probe.length), &self.near, radius)
+    }
+}
+
+struct Comparison<'a> {
+    setup: &'a ReplaySetup<'a>,
+    strokes: &'a [Stroke],
+    within_mm: f64,
+    wanted: Curves,
+    made: Curves,
+    missing: Side,
+    extra: Side,
+    twice: Vec<passes::Twice>,
+}
+
+impl Comparison<'_> {
+    fn judge(&self, faults: &mut Faults<'_>) -> Compared {
+        let nowhere = |curves: &Curves| curves.misplaced.iter().map(|piece| piece.length_mm).sum::<f64>();
+        let twice_mm: f64 = self.twice.iter().map(|run| run.share_mm).sum();
+        // An empty sum is -0.0; a report says 0.0.
+        let uncut_mm = 0.0 + self.missing.length_mm() + nowhere(&self.wanted);
+        let unwanted_mm = 0.0 + self.extra.length_mm() + nowhere(&self.made) + twice_mm;
+        if uncut_mm > NEGLIGIBLE_MM {
+            self.say_uncut(faults);
+        }
+        if unwanted_mm > NEGLIGIBLE_MM {
+            self.say_unwanted(faults);
+        }
+        Compared { max_deviation_mm: self.judge_deviation(faults), uncut_mm, unwanted_mm }
+    }
+
+    fn say_uncut(&self, faults: &mut Faults<'_>) {
+        for run in &self.missing.runs {
+            let course = self.setup.wanted[self.wanted.pieces[run.piece].curve].course;
+            faults.at_program(Code::Uncut, || {
+                format!("course {course}: {} is not cut{}", place(run.from, run.to, run.length_mm), off(run))
+            });
+        }
+        for piece in &self.wanted.misplaced {
+            let course = self.setup.wanted[piece.curve].course;
+            faults.at_program(Code::Uncut, || {
+                format!("course {course}: step {} of a cut is not a place on any roll", piece.step)
+            });
+        }
+    }
+
+    fn say_unwanted(&self, faults: &mut Faults<'_>) {
+        for run in &self.extra.runs {
+            faults.at_line(Code::Unwanted, self.line(run.piece), || {
+                format!("{} is cut and not wanted{}", place(run.from, run.to, run.length_mm), off(run))
+            });
+        }
+        for run in &self.twice {
+            faults.at_line(Code::Unwanted, self.line(run.piece), || {
+                format!("{} is cut more often than it is wanted", place(run.from, run.to, run.length_mm))
+            });
+        }
+        for piece in &self.made.misplaced {
+            faults.at_line(Code::Unwanted, self.strokes[piece.curve].lines[piece.step], || {
+                format!("{} mm are cut outside of any roll", piece.length_mm)
+            });
+        }
+    }
+
+    /// The largest deviation in mm; a finding if it is too large.
+    fn judge_deviation(&self, faults: &mut Faults<'_>) -> f64 {
+        let (wanted_mm, wanted) = self.missing.deviation();
+        let (made_mm, made) = self.extra.deviation();
+        let most =
+            |off_mm: f64, allowed_mm: f64| format!("{off_mm:.6} mm off; {allowed_mm:.6} mm are allowed");
+        if let Some(piece) = wanted.filter(|_| wanted_mm > self.within_mm) {
+            let piece = &self.wanted.pieces[piece];
+            let (course, [r, v]) = (self.setup.wanted[piece.curve].course, piece.ends[0]);
+            faults.at_program(Code::Deviation, || {
+                let most = most(wanted_mm, self.within_mm);
+                format!("course {course}: a cut wanted from r = {r:.4}, v = {v:.4} mm on is made {most}")
+            });
+        }
+        if let Some(piece) = made.filter(|_| made_mm > self.within_mm) {
+            faults.at_line(Code::Deviation, self.line(piece), || {
+                format!("a cut is made {}", most(made_mm, self.within_mm))
+            });
+        }
+        wanted_mm.max(made_mm)
+    }
+
+    /// The program line that makes a piece.
+    fn line(&self, made: usize) -> usize {
+        let piece = &self.made.pieces[made];
+        self.strokes[piece.curve].lines[piece.step]
+    }
+}
+
+fn place(from: [f64; 2], to: [f64; 2], length_mm: f64) -> String {
+    let [r0, v0] = from;
+    let [r1, v1] = to;
+    format!("r {r0:.4} to {r1:.4}, v {v0:.4} to {v1:.4}, {length_mm:.4} mm long,")
+}
+
+fn off(run: &Run) -> String {
+    run.off_mm.map_or(String::new(), |off_mm| format!("; a cut lies {off_mm:.4} mm off"))
+}

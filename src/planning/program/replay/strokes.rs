@@ -1,0 +1,28 @@
+//! What a knife cuts between going down and going up.
+
+/// The way of one knife in roll coordinates.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Stroke {
+    /// Points (r, v) in mm, no two equal in a row.
+    pub(super) points: Vec<[f64; 2]>,
+    /// The program line that led to each point but the first.
+    pub(super) lines: Vec<usize>,
+}
+
+impl Stroke {
+    /// A knife goes down at a point.
+    pub(super) fn at(point: [f64; 2]) -> Self {
+        Self { points: vec![point], lines: Vec::new() }
+    }
+
+    /// It is moved to another point.
+    pub(super) fn cut_to(&mut self, point: [f64; 2], line: usize) {
+        self.points.push(point);
+        self.lines.push(line);
+    }
+
+    /// Whether it has cut anything.
+    pub(super) fn is_empty(&self) -> bool {
+        self.lines.is_empty()
+    }
+}

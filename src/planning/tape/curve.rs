@@ -1,0 +1,296 @@
+//! A course as a smooth curve on the mould: position, direction and normal at any arc length.
+//!
+//! A bare polyline misses the aim of 0.01 mm by itself, so position and frame are interpolated smoothly. At
+//! each point of the course a polynomial of degree 4 is fitted to its neighbours (least squares over up to
+//! nine points, which also averages out the rounding of printed coordinates); between two points, position and
+//! normal follow the cubic through both with the fitted rates. Beyond its ends the course continues with the
+//! curvature and torsion that it ends with, and with their rate of change: on a cone of 20 degrees a helix
+//! alone would miss by 0.02 mm a tape width beyond the end.
+
+use nalgebra::{DMatrix, Dyn, OMatrix, U6};
+
+use super::input::Course;
+use crate::planning::geometry::{Point3, Vector3};
+
+/// Neighbours on each side that a fit takes in.
+const REACH: usize = 4;
+/// Degree of the fitted polynomials.
+const DEGREE: usize = 4;
+
+/// The moving frame of a course: U along it, N the mould's outward normal, V = N x U.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Station {
+    /// Arc length from the start of the course in mm; negative before it.
+    pub s: f64,
+    /// A point of the centre line.
+    pub origin: Point3,
+    /// Along the course.
+    pub u: Vector3,
+    /// Across the tape.
+    pub v: Vector3,
+    /// Outward from the mould.
+    pub n: Vector3,
+}
+
+/// What a course does where it is: normal and geodesic curvature and geodesic torsion, in 1/mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bend {
+    /// dU/ds . N
+    pub normal: f64,
+    /// dU/ds . V
+    pub geodesic: f64,
+    /// dN/ds . V
+    pub torsion: f64,
+}
+
+/// A smooth course with its continuations.
+#[derive(Debug, Clone)]
+pub struct Curve {
+    nodes: Vec<Node>,
+    length: f64,
+}
+
+/// Steps in mm in which a course is continued, each a helix with the bend at its middle. The error of a step is
+/// of third order; at R 800 it is far below a nanometre.
+const STEP_MM: f64 = 5.0;
+
+#[derive(Debug, Clone, Copy)]
+struct Node {
+    station: Station,
+    bend: Bend,
+    /// dN/ds.
+    normal_rate: Vector3,
+}
+
+/// What a fit says at one point, by the parameter of the chords.
+struct Fit {
+    rate: Vector3,
+    bending: Vector3,
+    normal_rate: Vector3,
+}
+
+impl Curve {
+    /// The smooth curve through a course of at least two points, continued by `beyond_mm` at both ends.
+    #[must_use]
+    pub fn through(course: &Course, beyond_mm: f64) -> Self {
+        let chords = cumulative_chords(&course.points);
+        let fits: Vec<Fit> = (0..course.points.len()).map(|index| fit(course, &chords, index)).collect();
+        let mut nodes: Vec<Node> = Vec::with_capacity(fits.len());
+        for (index, fit) in fits.iter().enumerate() {
+            let s = match nodes.last() {
+                None => 0.0,
+                Some(last) => last.station.s + arc_length(course, &chords, &fits, index),
+            };
+            nodes.push(node(s, course.points[index], course.normals[index], fit));
+        }
+        let length = nodes[nodes.len() - 1].station.s;
+        let after = continuation(&nodes[nodes.len() - window_width(nodes.len())..], 1.0, beyond_mm);
+        let mut before = continuation(&nodes[..window_width(nodes.len())], -1.0, beyond_mm);
+        before.reverse();
+        before.extend(nodes);
+        before.extend(after);
+        Self { nodes: before, length }
+    }
+
+    /// Length of the course in mm, without its continuations.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// The frame and the bend at arc length `s`; beyond the continuations on a helix.
+    #[must_use]
+    pub fn at(&self, s: f64) -> (Station, Bend) {
+        let last = self.nodes.len() - 1;
+        for end in [&self.nodes[0], &self.nodes[last]] {
+            if (s - end.station.s) * (end.station.s - self.length / 2.0) >= 0.0 {
+                return (helix(end, &end.bend, s), end.bend);
+            }
+        }
+        let after = self.nodes.partition_point(|node| node.station.s <= s).clamp(1, last);
+        between(&self.nodes[after - 1], &self.nodes[after], s)
+    }
+
+    /// Arc length of the node nearest to a point, and its distance in mm.
+    #[must_use]
+    pub fn nearest_node(&self, point: &Point3) -> (f64, f64) {
+        let distance = |node: &Node| (point - node.station.origin).norm_squared();
+        let nearest = self.nodes.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.map_or((0.0, 0.0), |node| (node.station.s, distance(node).sqrt()))
+    }
+
+    /// The longest step between two nodes in mm.
+    #[must_use]
+    pub fn longest_step(&self) -> f64 {
+        self.nodes.windows(2).map(|pair| pair[1].station.s - pair[0].station.s).fold(0.0, f64::max)
+    }
+
+    /// The largest geodesic curvature in 1/mm: how much the tape is steered within its own plane.
+    #[must_use]
+    pub fn steering(&self) -> f64 {
+        self.nodes.iter().map(|node| node.bend.geodesic.abs()).fold(0.0, f64::max)
+    }
+}
+
+fn cumulative_chords(points: &[Point3]) -> Vec<f64> {
+    let mut chords = vec![0.0];
+    for pair in points.windows(2) {
+        chords.push(chords[chords.len() - 1] + (pair[1] - pair[0]).norm());
+    }
+    chords
+}
+
+fn fit(course: &Course, chords: &[f64], index: usize) -> Fit {
+    let (first, last) = window(index, chords.len());
+    let rows = last - first + 1;
+    let degree = DEGREE.min(rows - 1);
+    // Powers of a parameter within [-1, 1] keep the system well conditioned.
+    let scale = (chords[last] - chords[index]).max(chords[index] - chords[first]);
+    let powers = DMatrix::from_fn(rows, degree + 1, |row, power| {
+        ((chords[first + row] - chords[index]) / scale).powi(power as i32)
+    });
+    let values = OMatrix::<f64, Dyn, U6>::from_fn(rows, |row, column| match column {
+        0..3 => course.points[first + row][column] - course.points[index][column],
+        _ => course.normals[first + row][column - 3],
+    });
+    let qr = powers.qr();
+    let coefficients = qr.r().solve_upper_triangular(&(qr.q().transpose() * values));
+    let row = |power: usize, column: usize| match &coefficients {
+        Some(found) if power <= degree => {
+            Vector3::new(found[(power, column)], found[(power, column + 1)], found[(power, column + 2)])
+        }
+        _ => Vector3::zeros(),
+    };
+    Fit {
+        rate: row(1, 0) / scale,
+        bending: row(2, 0) * 2.0 / (scale * scale),
+        normal_rate: row(1, 3) / scale,
+    }
+}
+
+/// The neighbours of a point, shifted inward at the ends so that a fit there has as many.
+fn window(index: usize, count: usize) -> (usize, usize) {
+    let width = (2 * REACH).min(count - 1);
+    let first = index.saturating_sub(REACH).min(count - 1 - width);
+    (first, first + width)
+}
+
+/// Arc length of the cubic from the point before `index` to it, by Gauss's rule with three points.
+fn arc_length(course: &Course, chords: &[f64], fits: &[Fit], index: usize) -> f64 {
+    const GAUSS: [(f64, f64); 3] =
+        [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
+    let span = chords[index] - chords[index - 1];
+    let (from, to) = (course.points[index - 1], course.points[index]);
+    let (start, end) = (fits[index - 1].rate * span, fits[index].rate * span);
+    let speed = |t: f64| {
+        let run = to - from;
+        (run * (6.0 * t * (1.0 - t)) + start * ((3.0 * t - 4.0) * t + 1.0) + end * ((3.0 * t - 2.0) * t))
+            .norm()
+    };
+    GAUSS.iter().map(|&(t, weight)| weight * speed(t)).sum()
+}
+
+fn node(s: f64, origin: Point3, normal: Vector3, fit: &Fit) -> Node {
+    let speed = fit.rate.norm();
+    let u = fit.rate / speed;
+    let n = (normal - u * normal.dot(&u)).normalize();
+    let v = n.cross(&u);
+    let bending = (fit.bending - u * fit.bending.dot(&u)) / (speed * speed);
+    let normal_rate = fit.normal_rate / speed;
+    let bend = Bend { normal: bending.dot(&n), geodesic: bending.dot(&v), torsion: normal_rate.dot(&v) };
+    // Within its own frame a unit normal that stays square to U turns like this and no other way.
+    let normal_rate = v * bend.torsion - u * bend.normal;
+    Node { station: Station { s, origin, u, v, n }, bend, normal_rate }
+}
+
+fn window_width(count: usize) -> usize {
+    (2 * REACH + 1).min(count)
+}
+
+/// Nodes beyond an end of a course, outward: step by step with the bend going on to change as it does along
+/// the last nodes, `end`.
+fn continuation(end: &[Node], direction: f64, beyond_mm: f64) -> Vec<Node> {
+    let rate = bend_rate(end);
+    let mut last = if direction > 0.0 { end[end.len() - 1] } else { end[0] };
+    let (from, start) = (last.station.s, last.bend);
+    let steps = (beyond_mm / STEP_MM).ceil() as usize;
+    let mut nodes = Vec::with_capacity(steps);
+    for step in 1..=steps {
+        let along = direction * STEP_MM * step as f64;
+        let middle = start.changed(&rate, along - direction * STEP_MM / 2.0);
+        let station = helix(&last, &middle, from + along);
+        let bend = start.changed(&rate, along);
+        last = Node { station, bend, normal_rate: station.v * bend.torsion - station.u * bend.normal };
+        nodes.push(last);
+    }
+    nodes
+}
+
+/// How the bend changes along some nodes, per mm: the slope of the regression line of each of its parts.
+fn bend_rate(nodes: &[Node]) -> Bend {
+    let count = nodes.len() as f64;
+    let middle = nodes.iter().map(|node| node.station.s).sum::<f64>() / count;
+    let spread: f64 = nodes.iter().map(|node| (node.station.s - middle).powi(2)).sum();
+    let slope = |part: fn(&Bend) -> f64| {
+        nodes.iter().map(|node| (node.station.s - middle) * part(&node.bend)).sum::<f64>() / spread
+    };
+    Bend { normal: slope(|b| b.normal), geodesic: slope(|b| b.geodesic), torsion: slope(|b| b.torsion) }
+}
+
+impl Bend {
+    fn changed(&self, rate: &Self, along: f64) -> Self {
+        Self {
+            normal: self.normal + rate.normal * along,
+            geodesic: self.geodesic + rate.geodesic * along,
+            torsion: self.torsion + rate.torsion * along,
+        }
+    }
+}
+
+/// The helix from a node with a constant bend: the frame turns about a fixed axis, the Darboux vector
+/// `-torsion U - normal V + geodesic N`.
+fn helix(node: &Node, bend: &Bend, s: f64) -> Station {
+    let Station { s: s0, origin, u, v, n } = node.station;
+    let along = s - s0;
+    let darboux = v * -bend.normal - u * bend.torsion + n * bend.geodesic;
+    let rate = darboux.norm();
+    let turn = nalgebra::Rotation3::new(darboux * along);
+    // Below this angle the sine rule loses digits and the course is straight to far better than a micron.
+    let moved = if rate * along.abs() < 1e-9 {
+        u * along
+    } else {
+        let axis = darboux / rate;
+        let parallel = axis * u.dot(&axis);
+        let square = u - parallel;
+        let angle = rate * along;
+        parallel * along + (square * angle.sin() + axis.cross(&square) * (1.0 - angle.cos())) / rate
+    };
+    Station { s, origin: origin + moved, u: turn * u, v: turn * v, n: turn * n }
+}
+
+fn between(before: &Node, after: &Node, s: f64) -> (Station, Bend) {
+    let (one, other) = (&before.station, &after.station);
+    let span = other.s - one.s;
+    let t = (s - one.s) / span;
+    let cubic = |from: Vector3, start: Vector3, to: Vector3, end: Vector3| {
+        let (h1, h2) = (t * t * (3.0 - 2.0 * t), t * (1.0 - t) * (1.0 - t));
+        from + (to - from) * h1 + (start * h2 - end * (t * t * (1.0 - t))) * span
+    };
+    let rate = |from: Vector3, start: Vector3, to: Vector3, end: Vector3| {
+        (to - from) * (6.0 * t * (1.0 - t)) / span
+            + start * ((3.0 * t - 4.0) * t + 1.0)
+            + end * ((3.0 * t - 2.0) * t)
+    };
+    let run = other.origin - one.origin;
+    let origin = one.origin + cubic(Vector3::zeros(), one.u, run, other.u);
+    let u = rate(Vector3::zeros(), one.u, run, other.u).normalize();
+    let normal = cubic(one.n, before.normal_rate, other.n, after.normal_rate);
+    let n = (normal - u * normal.dot(&u)).normalize();
+    let mix = |a: f64, b: f64| a + (b - a) * t;
+    let bend = Bend {
+        normal: mix(before.bend.normal, after.bend.normal),
+        geodesic: mix(before.bend.geodesic, after.bend.geodesic),
+        torsion: mix(before.bend.torsion, after.bend.torsion),
+    };
+    (Station { s, origin, u, v: n.cross(&u), n }, bend)
+}

@@ -1,0 +1,167 @@
+//! A tape-cut job's input, checked and taken over once: what the planner works on.
+
+use super::machine::{Catalogue, Machine, resolve};
+use super::outline::{self, Loop};
+use super::wire;
+use crate::planning::finding::{Code, Finding, any_error};
+use crate::planning::geometry::{Point3, Vector3};
+use crate::planning::tolerance::{SAME_POINT_MM, UNIT_NORMAL, ZERO_NORMAL};
+use crate::planning::units::Length;
+
+pub use super::wire::RollOrder;
+
+/// What the planner works on.
+#[derive(Debug, Clone)]
+pub struct TapeInput {
+    /// Width of the tape.
+    pub width: Length,
+    /// The ply's outline in mm, first point not repeated.
+    pub boundary: Loop,
+    /// Its cut-outs.
+    pub holes: Vec<Loop>,
+    /// Its courses in laying order.
+    pub courses: Vec<Course>,
+    /// The machine.
+    pub machine: Machine,
+    /// How the pieces are wound on the cassette.
+    pub roll_order: RollOrder,
+    /// Scrap between pieces along U.
+    pub scrap_gap: Length,
+    /// Chord tolerance.
+    pub tolerance: Length,
+    /// What was accepted and should be known.
+    pub findings: Vec<Finding>,
+}
+
+/// A course: the centre line of a tape on the mould.
+#[derive(Debug, Clone)]
+pub struct Course {
+    /// Its number.
+    pub number: u32,
+    /// Its place in the job document, for findings.
+    pub index: usize,
+    /// Points in mm in laying direction, none repeated.
+    pub points: Vec<Point3>,
+    /// The mould's outward unit normal at each.
+    pub normals: Vec<Vector3>,
+}
+
+/// Checks an input and takes it over.
+///
+/// # Errors
+/// Every fault with its JSON pointer.
+pub fn check(input: &wire::TapeCut, catalogue: &Catalogue) -> Result<TapeInput, Vec<Finding>> {
+    let mut findings = unsupported(input);
+    let machine =
+        resolve(&input.machine, catalogue, "/input/machine").map_err(|faults| findings.extend(faults)).ok();
+    let courses = check_courses(input, &mut findings);
+    let (boundary, holes) = outline::check(&input.boundary, &input.holes, &mut findings);
+    let Some(machine) = machine.filter(|_| !any_error(&findings)) else {
+        findings.retain(Finding::is_error);
+        return Err(findings);
+    };
+    Ok(TapeInput {
+        width: Length::from_mm(input.tape.width_mm),
+        boundary,
+        holes,
+        courses,
+        machine,
+        roll_order: input.options.roll_order,
+        scrap_gap: Length::from_mm(input.options.scrap_gap_mm),
+        tolerance: Length::from_mm(input.options.tolerance_mm),
+        findings,
+    })
+}
+
+/// What the contract names and the planner does not do yet is refused, not passed over.
+fn unsupported(input: &wire::TapeCut) -> Vec<Finding> {
+    let options = &input.options;
+    let file = "reading a file beside the job is not supported yet; list the points in the job document";
+    let holes_from_file = input.holes.iter().any(|hole| hole.file.is_some());
+    let cases = [
+        (input.boundary.file.is_some(), "/input/boundary/file", file),
+        (holes_from_file, "/input/holes", file),
+        (matches!(input.tracks, Some(wire::Tracks::File { .. })), "/input/tracks/file", file),
+        (input.courses.is_some(), "/input/courses", "generating courses is not supported yet; send tracks"),
+        (
+            options.on_excess == wire::OnExcess::Simplify,
+            "/input/options/on_excess",
+            "simplify is not supported yet; use reject",
+        ),
+        (
+            options.allocation == wire::Allocation::Free,
+            "/input/options/allocation",
+            "free is not supported yet; use by_slope",
+        ),
+        (options.share_cuts, "/input/options/share_cuts", "shared cuts are not supported yet; use false"),
+    ];
+    let refused = cases.into_iter().filter(|(refused, ..)| *refused);
+    refused.map(|(_, at, message)| Finding::error(Code::NotSupported, at, message)).collect()
+}
+
+fn check_courses(input: &wire::TapeCut, findings: &mut Vec<Finding>) -> Vec<Course> {
+    let tracks = match &input.tracks {
+        Some(wire::Tracks::Listed(tracks)) => tracks,
+        Some(wire::Tracks::File { .. }) => return Vec::new(),
+        None if input.courses.is_some() => return Vec::new(),
+        None => {
+            findings.push(Finding::error(Code::MissingField, "/input/tracks", "a ply needs its tracks"));
+            return Vec::new();
+        }
+    };
+    refuse_repeated_numbers(tracks, findings);
+    tracks.iter().enumerate().map(|(index, track)| check_course(index, track, findings)).collect()
+}
+
+fn refuse_repeated_numbers(tracks: &[wire::Track], findings: &mut Vec<Finding>) {
+    let mut seen = std::collections::BTreeMap::new();
+    for (index, track) in tracks.iter().enumerate() {
+        if let Some(first) = seen.insert(track.number, index) {
+            let message = format!("track number {} is that of track {first} too", track.number);
+            findings.push(Finding::error(
+                Code::DuplicateCourse,
+                format!("/input/tracks/{index}/number"),
+                message,
+            ));
+        }
+    }
+}
+
+fn check_course(index: usize, track: &wire::Track, findings: &mut Vec<Finding>) -> Course {
+    let at = format!("/input/tracks/{index}/points");
+    let mut course = Course { number: track.number, index, points: Vec::new(), normals: Vec::new() };
+    let mut repeated = Vec::new();
+    for (number, point) in track.points.iter().enumerate() {
+        let position = Point3::from(point.position);
+        if course.points.last().is_some_and(|last| (position - last).norm() < SAME_POINT_MM) {
+            repeated.push(number);
+            continue;
+        }
+        course.points.push(position);
+        course.normals.push(Vector3::from(point.normal));
+    }
+    outline::report_repeated(&repeated, &at, findings);
+    if course.points.len() < 2 {
+        let message = format!("a course needs two different points; track {} has fewer", track.number);
+        findings.push(Finding::error(Code::CourseTooShort, at.clone(), message));
+    }
+    scale_normals(track, &mut course.normals, &at, findings);
+    course
+}
+
+fn scale_normals(track: &wire::Track, normals: &mut [Vector3], at: &str, findings: &mut Vec<Finding>) {
+    for (number, point) in track.points.iter().enumerate() {
+        if Vector3::from(point.normal).norm() < ZERO_NORMAL {
+            let message = "the normal has no length; give the mould's outward unit normal";
+            findings.push(Finding::error(Code::ZeroNormal, format!("{at}/{number}/normal"), message));
+        }
+    }
+    let scaled = normals.iter().filter(|normal| (normal.norm() - 1.0).abs() > UNIT_NORMAL).count();
+    if scaled > 0 {
+        let message = format!("{scaled} normals are not of length 1; they were scaled");
+        findings.push(Finding::info(Code::NormalScaled, at, message));
+    }
+    for normal in normals {
+        *normal = normal.try_normalize(ZERO_NORMAL).unwrap_or_else(Vector3::z);
+    }
+}

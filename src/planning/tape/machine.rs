@@ -1,0 +1,308 @@
+//! The machine of a tape-cut job: a profile from JSON, checked, with its units as types.
+
+use std::collections::BTreeMap;
+
+use super::wire;
+use crate::planning::finding::{Code, Finding};
+use crate::planning::outcome::sha256_hex;
+use crate::planning::units::{
+    Acceleration, Angle, AngularAcceleration, AngularSpeed, Duration, Length, Speed,
+};
+
+pub use super::wire::{CutSide, Dialect, Edges};
+
+/// A two-cutter (or one-cutter) platform.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Machine {
+    /// Its name.
+    pub name: String,
+    /// The language of its control.
+    pub dialect: Dialect,
+    /// The side of the tape on which the knives work.
+    pub cut_side: CutSide,
+    /// The tape axis.
+    pub feed: Feed,
+    /// Speed of a knife along its cut in the tape, whatever the axes could do.
+    pub max_cutting_path_speed: Speed,
+    /// One or two cutters by station, the one nearer the spool first.
+    pub cutters: Vec<Cutter>,
+    /// Digital output of the knives' generator.
+    pub ultrasonic_output: u32,
+    /// Whether the operator may stop before each course.
+    pub optional_stop_per_course: bool,
+    /// The longest line of a program, in characters.
+    pub max_line_characters: usize,
+    /// The [`fingerprint`] of its profile.
+    pub profile_sha256: String,
+}
+
+impl Machine {
+    /// The time after which every knife that was told to come up is up.
+    #[must_use]
+    pub fn settled(&self) -> Duration {
+        let longest = self.cutters.iter().map(|cutter| cutter.up_dwell.s()).fold(0.0, f64::max);
+        Duration::from_s(longest)
+    }
+}
+
+/// The tape axis. It may stop; it must never run backwards.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Feed {
+    /// Axis letter.
+    pub axis: char,
+    /// Largest speed.
+    pub max_speed: Speed,
+    /// Largest acceleration.
+    pub max_acceleration: Acceleration,
+    /// The longest tape in one program.
+    pub max_length: Length,
+}
+
+/// A cutter: carriage, blade and press.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cutter {
+    /// 1 is nearer the spool.
+    pub number: u32,
+    /// Distance downstream (toward +U) of the U zero.
+    pub station: Length,
+    /// Axis letter of the carriage.
+    pub lateral_axis: char,
+    /// Travel of the carriage, smallest and largest.
+    pub lateral_range: (Length, Length),
+    /// Speed of the carriage with the knife down.
+    pub cutting_speed: Speed,
+    /// Speed of the carriage with the knife up.
+    pub travel_speed: Speed,
+    /// Largest acceleration of the carriage.
+    pub lateral_acceleration: Acceleration,
+    /// Axis letter of the blade.
+    pub blade_axis: char,
+    /// Whether the blade cuts both ways.
+    pub edges: Edges,
+    /// Largest speed of turning.
+    pub blade_speed: AngularSpeed,
+    /// Largest acceleration of turning.
+    pub blade_acceleration: AngularAcceleration,
+    /// Range of the blade axis, smallest and largest.
+    pub blade_range: (Angle, Angle),
+    /// A sharper corner is turned with the knife up.
+    pub lift_angle: Angle,
+    /// Digital output of the press.
+    pub knife_output: u32,
+    /// Time to settle after the knife goes down.
+    pub down_dwell: Duration,
+    /// Time to settle after the knife goes up.
+    pub up_dwell: Duration,
+}
+
+/// The machines that a job can name.
+#[derive(Debug, Clone)]
+pub struct Catalogue(BTreeMap<String, wire::MachineProfile>);
+
+/// `two-cutter-lab` is exactly the profile of jobs.md.
+const TWO_CUTTER_LAB: &str = include_str!("two-cutter-lab.json");
+
+impl Catalogue {
+    /// The built-in profiles.
+    ///
+    /// # Panics
+    /// Never: the built-in profile is part of the source and a test reads it.
+    #[must_use]
+    pub fn built_in() -> Self {
+        let lab: wire::MachineProfile =
+            serde_json::from_str(TWO_CUTTER_LAB).expect("the built-in profile fits its own type");
+        Self(BTreeMap::from([(lab.name.clone(), lab)]))
+    }
+
+    /// Adds a registered profile; one of the same name is replaced.
+    pub fn insert(&mut self, profile: wire::MachineProfile) {
+        self.0.insert(profile.name.clone(), profile);
+    }
+
+    /// The profile of that name.
+    #[must_use]
+    pub fn get(&self, name: &str) -> Option<&wire::MachineProfile> {
+        self.0.get(name)
+    }
+
+    /// All names, sorted.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.0.keys().map(String::as_str)
+    }
+}
+
+/// Resolves a job's machine: looks up its name, or takes the profile that stands in the job.
+///
+/// # Errors
+/// `UnknownMachine`, or every fault of the profile, with pointers below `at`.
+pub fn resolve(
+    reference: &wire::MachineReference,
+    catalogue: &Catalogue,
+    at: &str,
+) -> Result<Machine, Vec<Finding>> {
+    match reference {
+        wire::MachineReference::Inline(profile) => check(profile, at),
+        wire::MachineReference::Named(name) => match catalogue.get(name) {
+            Some(profile) => check(profile, at),
+            None => {
+                let known: Vec<_> = catalogue.names().collect();
+                let message = format!("no machine of that name; known: {}", known.join(", "));
+                Err(vec![Finding::error(Code::UnknownMachine, at, message)])
+            }
+        },
+    }
+}
+
+/// Checks a profile and takes it over.
+///
+/// # Errors
+/// Every fault of the profile, with pointers below `at`.
+pub fn check(profile: &wire::MachineProfile, at: &str) -> Result<Machine, Vec<Finding>> {
+    let mut faults = unsupported(profile, at);
+    check_cutters(profile, at, &mut faults);
+    check_letters(profile, at, &mut faults);
+    check_outputs(profile, at, &mut faults);
+    if faults.is_empty() { Ok(take_over(profile)) } else { Err(faults) }
+}
+
+/// The SHA-256 of a profile without its name: machines with the same one can run each other's programs, others
+/// must not.
+///
+/// # Panics
+/// Never: a profile holds nothing but numbers, texts and lists of them.
+#[must_use]
+pub fn fingerprint(profile: &wire::MachineProfile) -> String {
+    let nameless = wire::MachineProfile { name: String::new(), ..profile.clone() };
+    sha256_hex(&serde_json::to_vec(&nameless).expect("a profile can be written as JSON"))
+}
+
+/// What the contract names and the planner does not do yet is refused, not passed over.
+fn unsupported(profile: &wire::MachineProfile, at: &str) -> Vec<Finding> {
+    let mut faults = Vec::new();
+    let mut refuse = |refused: bool, field: String, what: &str| {
+        if refused {
+            faults.push(Finding::error(Code::NotSupported, format!("{at}{field}"), format!("{what} yet")));
+        }
+    };
+    refuse(profile.dialect != Dialect::Linuxcnc, "/dialect".into(), "only linuxcnc is written");
+    refuse(
+        profile.feed.drive != wire::Drive::Length,
+        "/feed/drive".into(),
+        "only a measured length is driven",
+    );
+    refuse(
+        profile.carriage_clearance_mm != 0.0,
+        "/carriage_clearance_mm".into(),
+        "carriages on one beam are not planned",
+    );
+    for (index, cutter) in profile.cutters.iter().enumerate() {
+        let blade = format!("/cutters/{index}/blade");
+        refuse(cutter.blade.offset_mm != 0.0, format!("{blade}/offset_mm"), "a blade offset is not planned");
+        refuse(cutter.blade.overcut_mm != 0.0, format!("{blade}/overcut_mm"), "an overcut is not planned");
+    }
+    faults
+}
+
+fn check_cutters(profile: &wire::MachineProfile, at: &str, faults: &mut Vec<Finding>) {
+    for (index, cutter) in profile.cutters.iter().enumerate() {
+        let here = format!("{at}/cutters/{index}");
+        if cutter.number as usize != index + 1 {
+            let message = format!("cutters are numbered 1, 2 in this order; here stands {}", cutter.number);
+            faults.push(Finding::error(Code::OutOfRange, format!("{here}/number"), message));
+        }
+        if cutter.lateral.min_mm >= cutter.lateral.max_mm {
+            let message = "min_mm must be smaller than max_mm";
+            faults.push(Finding::error(Code::OutOfRange, format!("{here}/lateral/min_mm"), message));
+        }
+    }
+    if let [first, second] = profile.cutters.as_slice()
+        && second.station_mm <= first.station_mm
+    {
+        let message = "cutter 2 sits downstream of cutter 1: its station must be larger";
+        faults.push(Finding::error(Code::OutOfRange, format!("{at}/cutters/1/station_mm"), message));
+    }
+}
+
+fn check_letters(profile: &wire::MachineProfile, at: &str, faults: &mut Vec<Finding>) {
+    let mut letters = vec![(format!("{at}/feed/axis"), &profile.feed.axis)];
+    for (index, cutter) in profile.cutters.iter().enumerate() {
+        letters.push((format!("{at}/cutters/{index}/lateral/axis"), &cutter.lateral.axis));
+        letters.push((format!("{at}/cutters/{index}/blade/axis"), &cutter.blade.axis));
+    }
+    refuse_repeats(&letters, "axis letter", faults);
+    // RS-274 reads A, B and C in degrees and the others in mm, whatever is meant.
+    for (pointer, letter) in &letters {
+        if pointer.ends_with("blade/axis") != ["A", "B", "C"].contains(&letter.as_str()) {
+            let message = "A, B and C turn blades (degrees); U, V, W, X, Y and Z move (mm)";
+            faults.push(Finding::error(Code::OutOfRange, pointer.clone(), message));
+        }
+    }
+}
+
+fn check_outputs(profile: &wire::MachineProfile, at: &str, faults: &mut Vec<Finding>) {
+    let mut outputs = vec![(format!("{at}/ultrasonic/output"), profile.ultrasonic.output)];
+    for (index, cutter) in profile.cutters.iter().enumerate() {
+        outputs.push((format!("{at}/cutters/{index}/knife/output"), cutter.knife.output));
+    }
+    refuse_repeats(&outputs, "output", faults);
+}
+
+fn refuse_repeats<T: PartialEq + std::fmt::Display>(
+    named: &[(String, T)],
+    what: &str,
+    faults: &mut Vec<Finding>,
+) {
+    for (index, (pointer, value)) in named.iter().enumerate() {
+        if let Some((other, _)) = named[..index].iter().find(|(_, earlier)| earlier == value) {
+            let message = format!("{what} {value} is taken already by {other}");
+            faults.push(Finding::error(Code::OutOfRange, pointer.clone(), message));
+        }
+    }
+}
+
+fn take_over(profile: &wire::MachineProfile) -> Machine {
+    Machine {
+        name: profile.name.clone(),
+        dialect: profile.dialect,
+        cut_side: profile.cut_side,
+        feed: Feed {
+            axis: letter(&profile.feed.axis),
+            max_speed: Speed::from_mm_s(profile.feed.max_speed_mm_s),
+            max_acceleration: Acceleration::from_mm_s2(profile.feed.max_acceleration_mm_s2),
+            max_length: Length::from_mm(profile.feed.max_length_mm),
+        },
+        max_cutting_path_speed: Speed::from_mm_s(profile.max_cutting_path_speed_mm_s),
+        cutters: profile.cutters.iter().map(take_over_cutter).collect(),
+        ultrasonic_output: profile.ultrasonic.output,
+        optional_stop_per_course: profile.program.optional_stop_per_course,
+        max_line_characters: profile.program.max_line_characters as usize,
+        profile_sha256: fingerprint(profile),
+    }
+}
+
+fn take_over_cutter(cutter: &wire::Cutter) -> Cutter {
+    let (lateral, blade, knife) = (&cutter.lateral, &cutter.blade, &cutter.knife);
+    Cutter {
+        number: cutter.number,
+        station: Length::from_mm(cutter.station_mm),
+        lateral_axis: letter(&lateral.axis),
+        lateral_range: (Length::from_mm(lateral.min_mm), Length::from_mm(lateral.max_mm)),
+        cutting_speed: Speed::from_mm_s(lateral.cutting_speed_mm_s),
+        travel_speed: Speed::from_mm_s(lateral.travel_speed_mm_s),
+        lateral_acceleration: Acceleration::from_mm_s2(lateral.max_acceleration_mm_s2),
+        blade_axis: letter(&blade.axis),
+        edges: blade.edges,
+        blade_speed: AngularSpeed::from_deg_s(blade.max_speed_deg_s),
+        blade_acceleration: AngularAcceleration::from_deg_s2(blade.max_acceleration_deg_s2),
+        blade_range: (Angle::from_degrees(blade.min_deg), Angle::from_degrees(blade.max_deg)),
+        lift_angle: Angle::from_degrees(blade.lift_angle_deg),
+        knife_output: knife.output,
+        down_dwell: Duration::from_s(knife.down_dwell_s),
+        up_dwell: Duration::from_s(knife.up_dwell_s),
+    }
+}
+
+/// The shape admits nothing but one of nine letters.
+fn letter(axis: &str) -> char {
+    axis.chars().next().expect("an axis is one letter, as its shape says")
+}

@@ -1,0 +1,523 @@
+//! Pieces: the developed ply within the strip of one tape (domain.md A4).
+//!
+//! Clipping is done in `f64` on the outline's own points and every side of a piece keeps what it is: a cut, or
+//! the tape's own edge. The published Edge0 and Edge1 are the ends of a cut, exactly at half the tape width.
+
+use super::develop::{Developed, DevelopedPly};
+use crate::planning::finding::{Code, Finding};
+use crate::planning::geometry::Point2;
+use crate::planning::geometry::polygon::{contains, signed_area};
+use crate::planning::tolerance::{SAME_POINT_MM, STRIP_EDGE_MM};
+
+/// A piece of tape in the (u, v) of its course, in mm, its outline counter-clockwise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Piece {
+    /// The sides of the outline in order. A closed outline that meets no tape edge is one cut whose last point
+    /// repeats its first.
+    pub sides: Vec<Side>,
+    /// Cut-outs that lie wholly inside, clockwise, each closed by its first point.
+    pub holes: Vec<Vec<Point2>>,
+    /// Area of the outline less its cut-outs, in mm^2.
+    pub area_mm2: f64,
+}
+
+/// A side of a piece.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Side {
+    /// A part of the ply's outline; a knife makes it.
+    Cut(Vec<Point2>),
+    /// A part of the tape's own edge, from one point to another.
+    TapeEdge(Point2, Point2),
+}
+
+impl Piece {
+    /// The cuts of the piece: open ones from tape edge to tape edge, closed ones with their first point repeated.
+    pub fn cuts(&self) -> impl Iterator<Item = &[Point2]> {
+        let sides = self.sides.iter().filter_map(|side| match side {
+            Side::Cut(points) => Some(points.as_slice()),
+            Side::TapeEdge(..) => None,
+        });
+        sides.chain(self.holes.iter().map(Vec::as_slice))
+    }
+
+    /// The outline as one loop, without its cut-outs.
+    #[must_use]
+    pub fn outline(&self) -> Vec<Point2> {
+        let mut points: Vec<Point2> = Vec::new();
+        for side in &self.sides {
+            if let Side::Cut(cut) = side {
+                points.extend(cut);
+            }
+        }
+        points.dedup();
+        if points.len() > 1 && points.first() == points.last() {
+            points.pop();
+        }
+        points
+    }
+
+    /// Smallest and largest u of the piece.
+    #[must_use]
+    pub fn u_range(&self) -> (f64, f64) {
+        let cuts = self.cuts().flatten().map(|point| point.x);
+        cuts.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), u| (low.min(u), high.max(u)))
+    }
+}
+
+/// The pieces of a ply within the strip `|v| <= width / 2`, in order of their smallest u.
+///
+/// The outlines of `ply` may turn either way; their first point is not repeated.
+///
+/// # Errors
+/// `OutlineCrosses` if the outlines do not close within the strip, `OffMould` if one leaves this part of the
+/// mould within the strip.
+pub fn within_strip(ply: &DevelopedPly, width_mm: f64) -> Result<Vec<Piece>, Finding> {
+    let half = width_mm / 2.0;
+    let mut strip = Strip { half, inside: Vec::new(), whole: Vec::new() };
+    strip.take(&ply.boundary, Filled::Within).map_err(|fault| fault.finding("/input/boundary/points"))?;
+    let boundary_is_inside = !strip.whole.is_empty();
+    for (index, hole) in ply.holes.iter().enumerate() {
+        let at = format!("/input/holes/{index}/points");
+        strip.take(hole, Filled::Without).map_err(|fault| fault.finding(&at))?;
+    }
+    let mut outlines = strip.link()?;
+    let mut inner = strip.whole;
+    if boundary_is_inside {
+        outlines.push(vec![Side::Cut(closed(inner.remove(0)))]);
+    }
+    let mut pieces: Vec<Piece> =
+        outlines.into_iter().map(|sides| Piece { sides, holes: Vec::new(), area_mm2: 0.0 }).collect();
+    give_holes(&mut pieces, inner);
+    pieces.sort_by(|a, b| a.u_range().0.total_cmp(&b.u_range().0));
+    Ok(pieces)
+}
+
+/// On which side of a loop the ply lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Filled {
+    /// The boundary.
+    Within,
+    /// A cut-out.
+    Without,
+}
+
+/// An outline that leaves this part of the mould within the strip, at this point of it.
+struct LeavesMould(usize);
+
+impl LeavesMould {
+    fn finding(&self, at: &str) -> Finding {
+        let message = "within the tape the outline goes to where it cannot be developed: too far off the course's \
+                       plane, or too far beyond the ends of the course. Let the course reach to the ply's edge, and \
+                       give the outline at close intervals";
+        Finding::error(Code::OffMould, format!("{at}/{}", self.0), message)
+    }
+}
+
+/// A loop that is wholly inside, turned so that the ply lies on its left.
+fn oriented(mut points: Vec<Point2>, filled: Filled) -> Vec<Point2> {
+    if (signed_area(&points) > 0.0) != (filled == Filled::Within) {
+        points.reverse();
+    }
+    points
+}
+
+fn closed(mut points: Vec<Point2>) -> Vec<Point2> {
+    points.push(points[0]);
+    points
+}
+
+fn give_holes(pieces: &mut [Piece], holes: Vec<Vec<Point2>>) {
+    let outlines: Vec<_> = pieces.iter().map(Piece::outline).collect();
+    for hole in holes {
+        if let Some(index) = outlines.iter().position(|outline| contains(outline, &hole[0])) {
+            pieces[index].holes.push(closed(hole));
+        }
+    }
+    for (piece, outline) in pieces.iter_mut().zip(&outlines) {
+        let holes: f64 = piece.holes.iter().map(|hole| signed_area(hole)).sum();
+        piece.area_mm2 = signed_area(outline) + holes;
+    }
+}
+
+/// An edge of the strip.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Edge {
+    /// v = +half.
+    Top,
+    /// v = -half.
+    Bottom,
+}
+
+/// A part of a loop inside the strip, from the edge where it enters to the edge where it leaves.
+struct Inside {
+    points: Vec<Point2>,
+    enters: Edge,
+    leaves: Edge,
+}
+
+impl Inside {
+    fn reverse(&mut self) {
+        self.points.reverse();
+        std::mem::swap(&mut self.enters, &mut self.leaves);
+    }
+}
+
+/// Whether, in +u, the first crossing of an edge of the strip leads into what is on the left of the loop: an
+/// entry over the top edge, an exit over the bottom edge.
+fn first_crossing_leads_in(parts: &[Inside]) -> bool {
+    let ends = parts.iter().flat_map(|part| {
+        let (first, last) = (part.points[0], part.points[part.points.len() - 1]);
+        [(first.x, part.enters, true), (last.x, part.leaves, false)]
+    });
+    let first = ends.min_by(|a, b| a.0.total_cmp(&b.0));
+    first.is_none_or(|(_, edge, entry)| entry == (edge == Edge::Top))
+}
+
+/// The strip of a tape with what lies in it.
+struct Strip {
+    half: f64,
+    inside: Vec<Inside>,
+    /// Loops that meet no edge.
+    whole: Vec<Vec<Point2>>,
+}
+
+impl Strip {
+    /// Cuts a loop at the edges of the strip and keeps what is inside, ply on its left.
+    ///
+    /// A point on an edge counts as outside: the strip is open, as if it were narrower by an infinitely small
+    /// amount. An outline that runs along an edge is then the tape's own edge and no cut, and every crossing
+    /// has a partner. A point on another part of the mould is outside too.
+    fn take(&mut self, outline: &[Developed], filled: Filled) -> Result<(), LeavesMould> {
+        let mut points: Vec<Developed> = outline.to_vec();
+        for point in points.iter_mut().flatten() {
+            point.y = self.snapped(point.y);
+        }
+        let Some(start) = points.iter().position(|point| self.is_outside(point)) else {
+            let whole = points.into_iter().flatten().collect();
+            self.whole.push(oriented(whole, filled));
+            return Ok(());
+        };
+        let mut parts = self.parts(&points, start)?;
+        if self.turns_wrong(&points, &parts, filled) {
+            parts.iter_mut().for_each(Inside::reverse);
+        }
+        self.inside.extend(parts);
+        Ok(())
+    }
+
+    /// The parts of a loop inside the strip; the walk begins at a point outside.
+    fn parts(&self, points: &[Developed], start: usize) -> Result<Vec<Inside>, LeavesMould> {
+        let mut parts = Vec::new();
+        let mut current: Option<(Edge, Vec<Point2>)> = None;
+        for step in 0..points.len() {
+            let (from, to) = ((start + step) % points.len(), (start + step + 1) % points.len());
+            let (a, b) = match (points[from], points[to]) {
+                (Some(a), Some(b)) => (a, b),
+                (Some(a), None) | (None, Some(a)) if self.side(&a).is_none() => {
+                    return Err(LeavesMould(from));
+                }
+                _ => continue,
+            };
+            if let Some(edge) = self.entry(&a, &b) {
+                current = Some((edge, vec![self.crossing(&a, &b, edge)]));
+            }
+            let Some((enters, part)) = current.as_mut() else { continue };
+            match self.exit(&a, &b) {
+                Some(leaves) => {
+                    push_new(part, self.crossing(&a, &b, leaves));
+                    parts.push(Inside { points: std::mem::take(part), enters: *enters, leaves });
+                    current = None;
+                }
+                None => push_new(part, b),
+            }
+        }
+        Ok(parts)
+    }
+
+    /// Whether a loop turns so that the ply lies on its right. Of a loop that is known as a whole the area tells;
+    /// else the first crossing of an edge in +u does, which must lead into the ply (out of it for a cut-out).
+    fn turns_wrong(&self, points: &[Developed], parts: &[Inside], filled: Filled) -> bool {
+        let whole: Option<Vec<Point2>> = points.iter().copied().collect();
+        let ply_is_left = match whole {
+            Some(whole) => signed_area(&whole) >= 0.0,
+            None => first_crossing_leads_in(parts),
+        };
+        ply_is_left != (filled == Filled::Within)
+    }
+
+    fn is_outside(&self, point: &Developed) -> bool {
+        point.is_none_or(|point| self.side(&point).is_some())
+    }
+
+    fn snapped(&self, v: f64) -> f64 {
+        if (v.abs() - self.half).abs() <= STRIP_EDGE_MM { self.half.copysign(v) } else { v }
+    }
+
+    /// On which side of the strip a point lies, if it is outside.
+    fn side(&self, point: &Point2) -> Option<Edge> {
+        if point.y >= self.half {
+            Some(Edge::Top)
+        } else if point.y <= -self.half {
+            Some(Edge::Bottom)
+        } else {
+            None
+        }
+    }
+
+    /// The edge over which the segment enters the strip.
+    fn entry(&self, a: &Point2, b: &Point2) -> Option<Edge> {
+        let from = self.side(a)?;
+        (self.side(b) != Some(from)).then_some(from)
+    }
+
+    /// The edge over which the segment leaves the strip.
+    fn exit(&self, a: &Point2, b: &Point2) -> Option<Edge> {
+        let to = self.side(b)?;
+        (self.side(a) != Some(to)).then_some(to)
+    }
+
+    /// Where a segment crosses an edge; its v is exactly that of the edge.
+    fn crossing(&self, a: &Point2, b: &Point2, edge: Edge) -> Point2 {
+        let v = self.level(edge);
+        if a.y == v {
+            return *a;
+        }
+        if b.y == v {
+            return *b;
+        }
+        Point2::new(a.x + (v - a.y) / (b.y - a.y) * (b.x - a.x), v)
+    }
+
+    fn level(&self, edge: Edge) -> f64 {
+        match edge {
+            Edge::Top => self.half,
+            Edge::Bottom => -self.half,
+        }
+    }
+
+    /// Links the parts inside the strip to closed outlines along the tape's edges.
+    fn link(&self) -> Result<Vec<Vec<Side>>, Finding> {
+        let mut next = vec![usize::MAX; self.inside.len()];
+        self.link_edge(Edge::Top, &mut next)?;
+        self.link_edge(Edge::Bottom, &mut next)?;
+        let mut outlines = Vec::new();
+        let mut used = vec![false; self.inside.len()];
+        for first in 0..self.inside.len() {
+            if used[first] {
+                continue;
+            }
+            let mut sides = Vec::new();
+            let mut part = first;
+            while !used[part] {
+                used[part] = true;
+                let follower = next[part];
+                let points = &self.inside[part].points;
+                sides.push(Side::Cut(points.clone()));
+                sides.push(Side::TapeEdge(points[points.len() - 1], self.inside[follower].points[0]));
+                part = follower;
+            }
+            outlines.push(sides);
+        }
+        Ok(outlines)
+    }
+
+    /// Pairs the crossings of one edge. With the ply on the left of every loop, an interval of the top edge that
+    /// lies in the ply begins, in +u, where a loop enters the strip and ends where one leaves it; on the bottom
+    /// edge it is the other way round. The piece's outline runs from where a part leaves to where one enters.
+    fn link_edge(&self, edge: Edge, next: &mut [usize]) -> Result<(), Finding> {
+        let mut crossings: Vec<(f64, bool, usize)> = Vec::new();
+        for (index, part) in self.inside.iter().enumerate() {
+            if part.enters == edge {
+                crossings.push((part.points[0].x, true, index));
+            }
+            if part.leaves == edge {
+                crossings.push((part.points[part.points.len() - 1].x, false, index));
+            }
+        }
+        crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let begins_with_entry = edge == Edge::Top;
+        alternate(&mut crossings, begins_with_entry)?;
+        for pair in crossings.chunks_exact(2) {
+            let (entry, exit) =
+                if begins_with_entry { (pair[0].2, pair[1].2) } else { (pair[1].2, pair[0].2) };
+            next[exit] = entry;
+        }
+        Ok(())
+    }
+}
+
+/// Brings crossings that share a place into the order in which entries and exits alternate: at a corner that
+/// only touches the edge, an exit and an entry fall on one point and no sorting by u can tell them apart.
+fn alternate(crossings: &mut [(f64, bool, usize)], begins_with_entry: bool) -> Result<(), Finding> {
+    for index in 0..crossings.len() {
+        let wanted = (index % 2 == 0) == begins_with_entry;
+        let here = crossings[index].0;
+        let fitting = crossings[index..]
+            .iter()
+            .take_while(|crossing| crossing.0 - here <= SAME_POINT_MM)
+            .position(|crossing| crossing.1 == wanted)
+            .map(|ahead| index + ahead);
+        match fitting {
+            Some(other) => crossings.swap(index, other),
+            None => return Err(unpaired(here)),
+        }
+    }
+    if crossings.len() % 2 == 1 {
+        return Err(unpaired(crossings[crossings.len() - 1].0));
+    }
+    Ok(())
+}
+
+fn unpaired(u: f64) -> Finding {
+    let message =
+        format!("the outlines do not close on the tape's edge at u {u:.3} mm: they cross or touch there");
+    Finding::error(Code::OutlineCrosses, "/input/boundary/points", message)
+}
+
+fn push_new(points: &mut Vec<Point2>, point: Point2) {
+    if points.last() != Some(&point) {
+        points.push(point);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn pieces_of(boundary: &[Point2], holes: &[Vec<Point2>], width_mm: f64) -> Result<Vec<Piece>, Finding> {
+        let known = |points: &[Point2]| points.iter().copied().map(Some).collect();
+        let ply =
+            DevelopedPly { boundary: known(boundary), holes: holes.iter().map(|hole| known(hole)).collect() };
+        within_strip(&ply, width_mm)
+    }
+
+    fn points(list: &[(f64, f64)]) -> Vec<Point2> {
+        list.iter().map(|&(u, v)| Point2::new(u, v)).collect()
+    }
+
+    #[test]
+    fn a_rectangle_over_the_strip_gives_two_square_cuts() {
+        let ply = points(&[(0.0, -100.0), (400.0, -100.0), (400.0, 100.0), (0.0, 100.0)]);
+        let pieces = pieces_of(&ply, &[], 75.0).unwrap();
+        assert_eq!(pieces.len(), 1);
+        assert_eq!(pieces[0].area_mm2, 400.0 * 75.0);
+        let cuts: Vec<_> = pieces[0].cuts().collect();
+        assert_eq!(cuts, [points(&[(400.0, -37.5), (400.0, 37.5)]), points(&[(0.0, 37.5), (0.0, -37.5)])]);
+    }
+
+    #[test]
+    fn an_outline_along_the_strip_edge_is_no_cut() {
+        let ply = points(&[(0.0, -37.5), (400.0, -37.5), (400.0, 37.5), (0.0, 37.5)]);
+        let pieces = pieces_of(&ply, &[], 75.0).unwrap();
+        assert_eq!(pieces[0].cuts().count(), 2);
+        // Half a micron of printing noise changes nothing.
+        let noisy = points(&[(0.0, -37.5), (200.0, -37.4995), (400.0, -37.5), (400.0, 37.5), (0.0, 37.5)]);
+        assert_eq!(pieces_of(&noisy, &[], 75.0).unwrap()[0].cuts().count(), 2);
+    }
+
+    #[test]
+    fn edge0_and_edge1_lie_exactly_at_half_the_width() {
+        let ply = points(&[(0.0, -90.0), (300.0, -91.0), (420.0, 3.0), (310.0, 88.0), (10.0, 95.0)]);
+        for cut in pieces_of(&ply, &[], 75.0).unwrap()[0].cuts() {
+            assert_eq!(cut[0].y.abs(), 37.5);
+            assert_eq!(cut[cut.len() - 1].y.abs(), 37.5);
+        }
+    }
+
+    #[test]
+    fn a_u_shaped_ply_gives_two_pieces_in_order() {
+        let ply = points(&[
+            (0.0, -90.0),
+            (300.0, -90.0),
+            (300.0, 90.0),
+            (200.0, 90.0),
+            (200.0, -60.0),
+            (100.0, -60.0),
+            (100.0, 90.0),
+            (0.0, 90.0),
+        ]);
+        let pieces = pieces_of(&ply, &[], 75.0).unwrap();
+        let ranges: Vec<_> = pieces.iter().map(Piece::u_range).collect();
+        assert_eq!(ranges, [(0.0, 100.0), (200.0, 300.0)]);
+    }
+
+    #[test]
+    fn what_lies_on_another_part_of_the_mould_is_outside_and_tells_no_sense() {
+        let ply = points(&[(0.0, -90.0), (300.0, -90.0), (420.0, 3.0), (310.0, 90.0), (10.0, 90.0)]);
+        for turned in [false, true] {
+            let mut known: Vec<Developed> = ply.iter().copied().map(Some).collect();
+            known.insert(4, None);
+            known.insert(1, None);
+            if turned {
+                known.reverse();
+            }
+            let pieces = within_strip(&DevelopedPly { boundary: known, holes: vec![] }, 75.0).unwrap();
+            let whole = pieces_of(&ply, &[], 75.0).unwrap();
+            assert_eq!((pieces.len(), pieces[0].sides.len()), (1, whole[0].sides.len()));
+            assert!((pieces[0].area_mm2 - whole[0].area_mm2).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn an_outline_that_leaves_the_mould_within_the_strip_is_refused() {
+        let mut known: Vec<Developed> =
+            points(&[(0.0, -90.0), (300.0, 0.0), (0.0, 90.0)]).into_iter().map(Some).collect();
+        known.insert(2, None);
+        let fault = within_strip(&DevelopedPly { boundary: known, holes: vec![] }, 75.0).unwrap_err();
+        assert_eq!((fault.code, fault.at.as_str()), (Code::OffMould, "/input/boundary/points/1"));
+    }
+
+    #[test]
+    fn a_narrow_ply_is_one_closed_cut_and_keeps_its_hole() {
+        let ply = points(&[(0.0, -20.0), (300.0, -20.0), (300.0, 20.0), (0.0, 20.0)]);
+        let hole = points(&[(100.0, -5.0), (110.0, -5.0), (110.0, 5.0), (100.0, 5.0)]);
+        let pieces = pieces_of(&ply, &[hole], 75.0).unwrap();
+        assert_eq!(pieces[0].area_mm2, 300.0 * 40.0 - 100.0);
+        let cuts: Vec<_> = pieces[0].cuts().collect();
+        assert_eq!(cuts.len(), 2);
+        assert!(cuts.iter().all(|cut| cut[0] == cut[cut.len() - 1]));
+    }
+
+    #[test]
+    fn corners_that_only_touch_an_edge_pair_up() {
+        // From inside: the ply's corner touches the tape edge. From outside: another ply's corner does.
+        let diamond = points(&[(0.0, 0.0), (50.0, -37.5), (100.0, 0.0), (50.0, 37.5)]);
+        let pieces = pieces_of(&diamond, &[], 75.0).unwrap();
+        assert_eq!(pieces.iter().map(|piece| piece.area_mm2).sum::<f64>(), 3750.0);
+        let beside = points(&[(0.0, 80.0), (50.0, 37.5), (100.0, 80.0)]);
+        assert!(pieces_of(&beside, &[], 75.0).unwrap().is_empty());
+        let notch = points(&[(0.0, -60.0), (100.0, -60.0), (100.0, 60.0), (50.0, -37.5), (0.0, 60.0)]);
+        let pieces = pieces_of(&notch, &[], 75.0).unwrap();
+        assert_eq!(pieces.iter().map(|p| p.area_mm2).sum::<f64>().round(), 4615.0);
+    }
+
+    proptest! {
+        /// The pieces of all strips together are the ply, whatever the star-shaped outline and its hole.
+        #[test]
+        fn strips_share_out_the_ply(
+            radii in prop::collection::vec(40.0..200.0_f64, 3..40),
+            shift in -50.0..50.0_f64,
+            hole in 1.0..30.0_f64,
+        ) {
+            let loop_of = |radius: &dyn Fn(usize) -> f64, count: usize| -> Vec<Point2> {
+                (0..count).map(|i| {
+                    let angle = std::f64::consts::TAU * i as f64 / count as f64;
+                    Point2::new(radius(i) * angle.cos(), radius(i) * angle.sin() + shift)
+                }).collect()
+            };
+            let ply = loop_of(&|i| radii[i], radii.len());
+            let cut_out = loop_of(&|_| hole * 0.3, 12);
+            let whole = signed_area(&ply) - signed_area(&cut_out);
+            let shared: f64 = (-6..=6).map(|strip| {
+                let moved = |points: &[Point2]| -> Vec<Point2> {
+                    points.iter().map(|p| Point2::new(p.x, p.y - 60.0 * f64::from(strip))).collect()
+                };
+                let pieces = pieces_of(&moved(&ply), &[moved(&cut_out)], 60.0).unwrap();
+                pieces.iter().map(|piece| piece.area_mm2).sum::<f64>()
+            }).sum();
+            // Snapping to the tape's edge moves an outline by at most STRIP_EDGE_MM.
+            prop_assert!((shared - whole).abs() <= 2.0 * STRIP_EDGE_MM * 200.0 * radii.len() as f64, "{} {}", shared, whole);
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! The fields of a tape-cut report (jobs.md).
+
+use serde::Serialize;
+
+use super::chain::Slope;
+use super::machine::Machine;
+use super::plan::{PlannedPiece, TapePlan};
+use super::roll::RollFigures;
+use crate::planning::program::replay::ReplayFigures;
+
+/// The fields of a report that are the kind's own.
+#[derive(Debug, Clone, Serialize)]
+pub struct TapeReport {
+    machine: MachineReport,
+    courses: Vec<CourseReport>,
+    roll: RollFigures,
+    manifest: Vec<ManifestEntry>,
+    /// Cycle time in s, each move from rest to rest with the profile's accelerations.
+    time_s: f64,
+    /// A lower bound of it: each axis alone at its limit of speed, with the dwells of its knife.
+    bound_time_s: f64,
+    replay: ReplayFigures,
+    /// Outlines changed to suit the knives: none, since a shape that needs it is refused.
+    simplified: Vec<()>,
+}
+
+/// The machine that was planned for. The program runs on machines of exactly this profile.
+#[derive(Debug, Clone, Serialize)]
+struct MachineReport {
+    name: String,
+    /// Of the profile without its name.
+    profile_sha256: String,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct CourseReport {
+    number: u32,
+    pieces: Vec<PieceReport>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct PieceReport {
+    area_mm2: f64,
+    roll_offset_mm: f64,
+    cuts: Vec<CutReport>,
+}
+
+/// A chain of a cut: what one knife makes.
+#[derive(Debug, Clone, Serialize)]
+struct CutReport {
+    /// Which cut of the piece it belongs to, from 0.
+    cut: usize,
+    cutter: usize,
+    slope: Slope,
+    turns: usize,
+    points_uv: Vec<[f64; 2]>,
+}
+
+/// A piece as the cassette gives it out.
+#[derive(Debug, Clone, Serialize)]
+struct ManifestEntry {
+    course: u32,
+    /// Piece of the course, from 1, in laying direction.
+    piece: usize,
+    length_mm: f64,
+    area_mm2: f64,
+    /// Roll coordinates of its start and its end.
+    roll_mm: [f64; 2],
+}
+
+impl TapeReport {
+    /// Puts a report together.
+    #[must_use]
+    pub fn new(
+        plan: &TapePlan,
+        machine: &Machine,
+        time_s: f64,
+        bound_time_s: f64,
+        replay: ReplayFigures,
+    ) -> Self {
+        let courses = plan.courses.iter().map(|course| CourseReport {
+            number: course.number,
+            pieces: course.pieces.iter().map(piece_report).collect(),
+        });
+        let (name, profile_sha256) = (machine.name.clone(), machine.profile_sha256.clone());
+        Self {
+            machine: MachineReport { name, profile_sha256 },
+            courses: courses.collect(),
+            roll: plan.figures,
+            manifest: manifest(plan),
+            time_s,
+            bound_time_s,
+            replay,
+            simplified: Vec::new(),
+        }
+    }
+}
+
+fn piece_report(piece: &PlannedPiece) -> PieceReport {
+    let cuts = piece.chains.iter().map(|(chain, cutter)| CutReport {
+        cut: chain.cut,
+        cutter: cutter + 1,
+        slope: chain.slope,
+        turns: chain.turns,
+        points_uv: chain.points.iter().map(|point| [point.x, point.y]).collect(),
+    });
+    PieceReport { area_mm2: piece.piece.area_mm2, roll_offset_mm: piece.offset_mm, cuts: cuts.collect() }
+}
+
+/// The last piece wound comes off the cassette first: the smallest roll coordinate.
+fn manifest(plan: &TapePlan) -> Vec<ManifestEntry> {
+    plan.order
+        .iter()
+        .zip(plan.pieces())
+        .map(|(&(_, index), (course, piece))| {
+            let (low, high) = piece.piece.u_range();
+            ManifestEntry {
+                course: course.number,
+                piece: index + 1,
+                length_mm: high - low,
+                area_mm2: piece.piece.area_mm2,
+                roll_mm: [low + piece.offset_mm, high + piece.offset_mm],
+            }
+        })
+        .collect()
+}

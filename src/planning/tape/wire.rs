@@ -1,0 +1,474 @@
+//! The `input` of a tape-cut job and a machine profile, as they stand in JSON.
+//!
+//! These types know names and types, not meaning: [`super::input`] and [`super::machine`] turn them once into
+//! what the planner works on. The shapes beside them name every limit of a single number.
+
+use serde::{Deserialize, Serialize};
+
+use crate::planning::document::shape::{Field, Shape, optional, required};
+
+/// The largest coordinate in mm: a mould of 100 m.
+const LARGEST_MM: f64 = 100_000.0;
+/// The most points of one outline or course.
+const MOST_POINTS: usize = 5_000_000;
+/// The most holes or courses of a ply.
+const MOST_LOOPS: usize = 10_000;
+/// Far above the speed or acceleration of any machine, in mm/s, mm/s^2, deg/s or deg/s^2.
+const LARGEST_RATE: f64 = 1e6;
+/// The longest dwell in s.
+const LONGEST_DWELL_S: f64 = 10.0;
+/// The largest digital output of a controller.
+const LARGEST_OUTPUT: i64 = 63;
+
+/// The `input` of a tape-cut job.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TapeCut {
+    /// The tape.
+    pub tape: Tape,
+    /// The ply's outline.
+    pub boundary: Outline,
+    /// Its cut-outs.
+    #[serde(default)]
+    pub holes: Vec<Outline>,
+    /// Its courses in laying order.
+    #[serde(default)]
+    pub tracks: Option<Tracks>,
+    /// A rule that generates the courses of a flat ply.
+    #[serde(default)]
+    pub courses: Option<Courses>,
+    /// The machine: a name, or a whole profile.
+    pub machine: MachineReference,
+    /// What may be chosen.
+    #[serde(default)]
+    pub options: Options,
+}
+
+/// The tape.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tape {
+    /// Width in mm.
+    pub width_mm: f64,
+    /// Thickness in mm.
+    pub thickness_mm: f64,
+}
+
+/// A closed loop of points in mm: listed, or in a file.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Outline {
+    /// X, Y, Z in mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub points: Option<Vec<[f64; 3]>>,
+    /// The name of an uploaded file or of one beside the job.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+}
+
+/// Courses: listed, or in a file.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Tracks {
+    /// Listed in laying order.
+    Listed(Vec<Track>),
+    /// In a file.
+    File {
+        /// The name of an uploaded file or of one beside the job.
+        file: String,
+    },
+}
+
+/// A rule that generates the courses of a flat ply.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Courses {
+    /// Fibre angle.
+    pub angle_deg: f64,
+    /// Gap between neighbouring tapes.
+    #[serde(default)]
+    pub gap_mm: f64,
+    /// Offset of the first course.
+    #[serde(default)]
+    pub offset_mm: f64,
+}
+
+/// A course.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Track {
+    /// Its number, one of its kind in the ply.
+    pub number: u32,
+    /// Points on the centre line of the tape.
+    pub points: Vec<TrackPoint>,
+}
+
+/// A point of a course.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrackPoint {
+    /// X, Y, Z in mm.
+    pub position: [f64; 3],
+    /// The mould's outward normal there.
+    pub normal: [f64; 3],
+}
+
+/// A machine by name, or a whole profile.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum MachineReference {
+    /// A built-in or registered profile.
+    Named(String),
+    /// A profile of the job's own.
+    Inline(Box<MachineProfile>),
+}
+
+/// What may be chosen for a job.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Options {
+    /// What to do with a shape that needs more knives than there are.
+    pub on_excess: OnExcess,
+    /// How cuts are given to knives.
+    pub allocation: Allocation,
+    /// How the pieces are wound on the cassette.
+    pub roll_order: RollOrder,
+    /// Scrap between pieces along U, in mm.
+    pub scrap_gap_mm: f64,
+    /// Whether two congruent outlines may share one cut.
+    pub share_cuts: bool,
+    /// Chord tolerance in mm.
+    pub tolerance_mm: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            on_excess: OnExcess::Reject,
+            allocation: Allocation::BySlope,
+            roll_order: RollOrder::Reverse,
+            scrap_gap_mm: 0.0,
+            share_cuts: false,
+            tolerance_mm: crate::planning::tolerance::CHORD_MM,
+        }
+    }
+}
+
+/// What to do with a shape that needs more knives than there are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OnExcess {
+    /// Refuse it.
+    Reject,
+    /// Cut a simpler outline on the scrap side.
+    Simplify,
+}
+
+/// How cuts are given to knives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Allocation {
+    /// As published: `\` to cutter 1, `/` to cutter 2.
+    BySlope,
+    /// Any valid way.
+    Free,
+}
+
+/// How the pieces are wound on the cassette.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RollOrder {
+    /// The last course is cut first, so that the cassette gives out the first.
+    Reverse,
+    /// The first course is cut first.
+    Laying,
+}
+
+/// A machine profile of kind `tape-cutter` (jobs.md).
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MachineProfile {
+    /// Its name.
+    pub name: String,
+    /// Always `tape-cutter`.
+    pub kind: String,
+    /// The language of its control.
+    pub dialect: Dialect,
+    /// The side of the tape on which the knives work.
+    pub cut_side: CutSide,
+    /// The tape.
+    pub feed: Feed,
+    /// Speed of a knife along its cut in the tape, whatever the axes could do, in mm/s.
+    pub max_cutting_path_speed_mm_s: f64,
+    /// One or two cutters.
+    pub cutters: Vec<Cutter>,
+    /// The generator of the knives.
+    pub ultrasonic: Output,
+    /// Distance that the carriages keep where they share a beam, in mm.
+    pub carriage_clearance_mm: f64,
+    /// How programs are written.
+    pub program: Program,
+}
+
+/// The language of a control.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Dialect {
+    /// RS-274 as LinuxCNC reads it.
+    Linuxcnc,
+    /// Sinumerik.
+    Sinumerik,
+}
+
+/// The side of the tape on which the knives work.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CutSide {
+    /// The side that later touches the mould.
+    Film,
+    /// The other one.
+    Paper,
+}
+
+/// The tape axis.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Feed {
+    /// Axis letter.
+    pub axis: String,
+    /// By length or by the angle of a spool.
+    pub drive: Drive,
+    /// mm/s.
+    pub max_speed_mm_s: f64,
+    /// mm/s^2.
+    pub max_acceleration_mm_s2: f64,
+    /// The longest tape in one program, in mm.
+    pub max_length_mm: f64,
+}
+
+/// What drives the tape.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Drive {
+    /// A measuring encoder: the axis reads mm.
+    Length,
+    /// An unwinding spool: the axis reads degrees.
+    UnwindAngle,
+    /// A take-up spool: the axis reads degrees.
+    TakeupAngle,
+}
+
+/// A cutter.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cutter {
+    /// 1 is nearer the spool.
+    pub number: u32,
+    /// Distance downstream of cutter 1, in mm.
+    pub station_mm: f64,
+    /// Across the tape.
+    pub lateral: Lateral,
+    /// The blade's direction.
+    pub blade: Blade,
+    /// The press.
+    pub knife: Knife,
+}
+
+/// The axis across the tape.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Lateral {
+    /// Axis letter.
+    pub axis: String,
+    /// mm.
+    pub min_mm: f64,
+    /// mm.
+    pub max_mm: f64,
+    /// mm/s with the knife down.
+    pub cutting_speed_mm_s: f64,
+    /// mm/s with the knife up.
+    pub travel_speed_mm_s: f64,
+    /// mm/s^2.
+    pub max_acceleration_mm_s2: f64,
+}
+
+/// The axis that turns the blade.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Blade {
+    /// Axis letter.
+    pub axis: String,
+    /// Whether it cuts both ways.
+    pub edges: Edges,
+    /// deg/s.
+    pub max_speed_deg_s: f64,
+    /// deg/s^2.
+    pub max_acceleration_deg_s2: f64,
+    /// degrees.
+    pub min_deg: f64,
+    /// degrees.
+    pub max_deg: f64,
+    /// A sharper corner is turned with the knife up, in degrees.
+    pub lift_angle_deg: f64,
+    /// Distance of the edge from the turning axis, in mm.
+    pub offset_mm: f64,
+    /// How far a cut goes on past its ends, in mm.
+    pub overcut_mm: f64,
+}
+
+/// Whether a blade cuts both ways.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Edges {
+    /// One direction only.
+    Single,
+    /// Both.
+    Double,
+}
+
+/// The press of a knife.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Knife {
+    /// Number of the digital output.
+    pub output: u32,
+    /// s.
+    pub down_dwell_s: f64,
+    /// s.
+    pub up_dwell_s: f64,
+}
+
+/// A digital output.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Output {
+    /// Its number.
+    pub output: u32,
+}
+
+/// How programs are written.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Program {
+    /// Whether the operator may stop before each course.
+    pub optional_stop_per_course: bool,
+    /// The longest line.
+    pub max_line_characters: u32,
+}
+
+const POINT: Shape = Shape::Triple { limit: LARGEST_MM };
+const FILE_NAME: Shape = Shape::Text { max_chars: 255 };
+const OUTLINE: Shape = Shape::Object(&[
+    optional("points", Shape::Array { item: &POINT, min: 0, max: MOST_POINTS }),
+    optional("file", FILE_NAME),
+]);
+const TRACK_POINT: Shape = Shape::Object(&[required("position", POINT), required("normal", POINT)]);
+const TRACK: Shape = Shape::Object(&[
+    required("number", Shape::Integer { min: 1, max: 1_000_000 }),
+    required("points", Shape::Array { item: &TRACK_POINT, min: 0, max: MOST_POINTS }),
+]);
+const RATE: Shape = Shape::Positive { max: LARGEST_RATE };
+const COORDINATE: Shape = Shape::Number { min: -LARGEST_MM, max: LARGEST_MM };
+const DWELL: Shape = Shape::Number { min: 0.0, max: LONGEST_DWELL_S };
+const OUTPUT: Shape = Shape::Integer { min: 0, max: LARGEST_OUTPUT };
+const AXIS: Shape = Shape::Word(&["U", "V", "W", "A", "B", "C", "X", "Y", "Z"]);
+const CUTTER: Shape = Shape::Object(&[
+    required("number", Shape::Integer { min: 1, max: 2 }),
+    required("station_mm", Shape::Number { min: 0.0, max: LARGEST_MM }),
+    required(
+        "lateral",
+        Shape::Object(&[
+            required("axis", AXIS),
+            required("min_mm", COORDINATE),
+            required("max_mm", COORDINATE),
+            required("cutting_speed_mm_s", RATE),
+            required("travel_speed_mm_s", RATE),
+            required("max_acceleration_mm_s2", RATE),
+        ]),
+    ),
+    required(
+        "blade",
+        Shape::Object(&[
+            required("axis", AXIS),
+            required("edges", Shape::Word(&["single", "double"])),
+            required("max_speed_deg_s", RATE),
+            required("max_acceleration_deg_s2", RATE),
+            required("min_deg", Shape::Number { min: -36_000.0, max: -180.0 }),
+            required("max_deg", Shape::Number { min: 180.0, max: 36_000.0 }),
+            required("lift_angle_deg", Shape::Number { min: 0.0, max: 180.0 }),
+            required("offset_mm", Shape::Number { min: -100.0, max: 100.0 }),
+            required("overcut_mm", Shape::Number { min: 0.0, max: 100.0 }),
+        ]),
+    ),
+    required(
+        "knife",
+        Shape::Object(&[
+            required("output", OUTPUT),
+            required("down_dwell_s", DWELL),
+            required("up_dwell_s", DWELL),
+        ]),
+    ),
+]);
+
+/// The shape of a machine profile.
+pub const MACHINE_PROFILE: Shape = Shape::Object(&[
+    required("name", Shape::Text { max_chars: 64 }),
+    required("kind", Shape::Word(&["tape-cutter"])),
+    required("dialect", Shape::Word(&["linuxcnc", "sinumerik"])),
+    required("cut_side", Shape::Word(&["film", "paper"])),
+    required(
+        "feed",
+        Shape::Object(&[
+            required("axis", AXIS),
+            required("drive", Shape::Word(&["length", "unwind_angle", "takeup_angle"])),
+            required("max_speed_mm_s", RATE),
+            required("max_acceleration_mm_s2", RATE),
+            required("max_length_mm", Shape::Positive { max: 1e7 }),
+        ]),
+    ),
+    required("max_cutting_path_speed_mm_s", RATE),
+    required("cutters", Shape::Array { item: &CUTTER, min: 1, max: 2 }),
+    required("ultrasonic", Shape::Object(&[required("output", OUTPUT)])),
+    required("carriage_clearance_mm", Shape::Number { min: 0.0, max: 10_000.0 }),
+    required(
+        "program",
+        Shape::Object(&[
+            required("optional_stop_per_course", Shape::Boolean),
+            required("max_line_characters", Shape::Integer { min: 60, max: 250 }),
+        ]),
+    ),
+]);
+
+/// The fields of a tape-cut job's `input`.
+pub const TAPE_CUT: &[Field] = &[
+    required(
+        "tape",
+        Shape::Object(&[
+            required("width_mm", Shape::Positive { max: 2_000.0 }),
+            required("thickness_mm", Shape::Positive { max: 10.0 }),
+        ]),
+    ),
+    required("boundary", OUTLINE),
+    optional("holes", Shape::Array { item: &OUTLINE, min: 0, max: MOST_LOOPS }),
+    optional("tracks", Shape::ArrayOrFile(&Shape::Array { item: &TRACK, min: 1, max: MOST_LOOPS })),
+    optional(
+        "courses",
+        Shape::Object(&[
+            required("angle_deg", Shape::Number { min: -360.0, max: 360.0 }),
+            optional("gap_mm", Shape::Number { min: -100.0, max: 10_000.0 }),
+            optional("offset_mm", COORDINATE),
+        ]),
+    ),
+    required("machine", Shape::TextOr { max_chars: 64, shape: &MACHINE_PROFILE }),
+    optional(
+        "options",
+        Shape::Object(&[
+            optional("on_excess", Shape::Word(&["reject", "simplify"])),
+            optional("allocation", Shape::Word(&["by_slope", "free"])),
+            optional("roll_order", Shape::Word(&["reverse", "laying"])),
+            optional("scrap_gap_mm", Shape::Number { min: 0.0, max: 10_000.0 }),
+            optional("share_cuts", Shape::Boolean),
+            optional("tolerance_mm", Shape::Number { min: 0.001, max: 1.0 }),
+        ]),
+    ),
+];

@@ -1,0 +1,82 @@
+//! Approval and revocation of programs.
+
+use super::audit::{self, Deed};
+use super::{Error, Result, Store, Writing};
+use crate::job::id::ProgramId;
+use crate::job::moment::Moment;
+use crate::job::program::Standing;
+
+impl Store {
+    /// Approves a program, by naming the hash of the bytes that were looked at. Approving it again with the same
+    /// hash changes nothing.
+    ///
+    /// # Errors
+    /// `NotFound`, `OtherHash`, `Standing` if its state does not admit it, `Damaged` if its bytes do not fit
+    /// their hash any more (it is quarantined then), `Database`.
+    pub async fn approve(&self, id: &ProgramId, sha256: &str, actor: &str, now: Moment) -> Result<()> {
+        let program = self.program(id).await?;
+        if program.sha256 != sha256 {
+            return Err(Error::OtherHash);
+        }
+        self.program_content(&program, now).await?;
+        let mut tx = self.write().await?;
+        let before = standing(&mut tx, id).await?;
+        let after = before.approve()?;
+        if after != before {
+            set(&mut tx, id, after).await?;
+            sqlx::query("INSERT INTO approvals (program_id, sha256, actor, at) VALUES ($1, $2, $3, $4)")
+                .bind(id.as_str())
+                .bind(sha256)
+                .bind(actor)
+                .bind(now.unix_ms())
+                .execute(&mut *tx)
+                .await?;
+            let detail = serde_json::json!({"sha256": sha256});
+            let deed = Deed { at: now, actor, action: "program.approved", subject: id.as_str(), detail };
+            audit::record(&mut tx, &deed).await?;
+        }
+        Ok(tx.commit().await?)
+    }
+
+    /// Takes a program out of use for good.
+    ///
+    /// # Errors
+    /// `NotFound`, `Standing` if its state does not admit it, `Database`.
+    pub async fn revoke(&self, id: &ProgramId, reason: &str, actor: &str, now: Moment) -> Result<()> {
+        let mut tx = self.write().await?;
+        let before = standing(&mut tx, id).await?;
+        let after = before.revoke()?;
+        if after != before {
+            set(&mut tx, id, after).await?;
+            sqlx::query("INSERT INTO revocations (program_id, reason, actor, at) VALUES ($1, $2, $3, $4)")
+                .bind(id.as_str())
+                .bind(reason)
+                .bind(actor)
+                .bind(now.unix_ms())
+                .execute(&mut *tx)
+                .await?;
+            let detail = serde_json::json!({"reason": reason});
+            let deed = Deed { at: now, actor, action: "program.revoked", subject: id.as_str(), detail };
+            audit::record(&mut tx, &deed).await?;
+        }
+        Ok(tx.commit().await?)
+    }
+}
+
+async fn standing(tx: &mut Writing, id: &ProgramId) -> Result<Standing> {
+    let row: Option<(String,)> = sqlx::query_as("SELECT state FROM programs WHERE id = $1")
+        .bind(id.as_str())
+        .fetch_optional(&mut **tx)
+        .await?;
+    let (word,) = row.ok_or(Error::NotFound)?;
+    Standing::of(&word).ok_or(Error::NotFound)
+}
+
+async fn set(tx: &mut Writing, id: &ProgramId, standing: Standing) -> Result<()> {
+    sqlx::query("UPDATE programs SET state = $2, version = version + 1 WHERE id = $1")
+        .bind(id.as_str())
+        .bind(standing.word())
+        .execute(&mut **tx)
+        .await?;
+    Ok(())
+}

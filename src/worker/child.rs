@@ -1,0 +1,195 @@
+//! The child's side: plans one job within limits that it sets for itself before it reads anything.
+//!
+//! A panic, an abort or a signal ends this process and nothing else. The child holds no connection, no key and no
+//! file but its three standard streams.
+
+use std::io::{self, BufWriter, Read, Write};
+use std::time::Instant;
+
+use rustix::process::{Pid, Resource, Rlimit, Signal};
+
+use super::checking::Label;
+use super::protocol::{Message, Part, Role};
+use crate::planning::attempt::{plan, validate};
+use crate::planning::budget::{Budget, DEFAULT_STEPS};
+use crate::planning::document;
+use crate::planning::finding::Finding;
+use crate::planning::outcome::Outcome;
+use crate::planning::tape::machine::Catalogue;
+use crate::planning::tape::wire::MachineProfile;
+
+/// The limits of one attempt.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub struct Limits {
+    /// Address space in MiB
+    #[arg(long)]
+    pub memory_mib: u32,
+    /// Processor time in seconds
+    #[arg(long)]
+    pub cpu_s: u32,
+    /// The process that asked for the attempt; the attempt ends with it
+    #[arg(long)]
+    pub parent: i32,
+    /// Check the document and plan nothing
+    #[arg(long)]
+    pub check: bool,
+}
+
+/// The kernel ends a process that has ignored the first signal so many seconds later.
+const CPU_GRACE_S: u64 = 5;
+
+/// An attempt yields to the API; a check does not, for somebody waits for it.
+const NICE: i32 = 5;
+
+/// Plans the job on standard input.
+///
+/// # Errors
+/// If a limit cannot be set, or the parent cannot be reached any more.
+pub fn run(limits: &Limits) -> io::Result<()> {
+    confine(limits)?;
+    let mut text = Vec::new();
+    io::stdin().lock().read_to_end(&mut text)?;
+    let out = BufWriter::new(io::stdout().lock());
+    let attempt = Attempt { started: Instant::now(), out: out.into() };
+    if limits.check { attempt.check(&text) } else { attempt.answer(&text) }
+}
+
+fn confine(limits: &Limits) -> io::Result<()> {
+    rustix::process::set_parent_process_death_signal(Some(Signal::KILL))?;
+    // The parent may have died before the line above.
+    if rustix::process::getppid().map(Pid::as_raw_pid) != Some(limits.parent) {
+        return Err(io::Error::other("the process that asked for this attempt is gone"));
+    }
+    let memory = u64::from(limits.memory_mib) * 1024 * 1024;
+    let cpu = u64::from(limits.cpu_s);
+    set(Resource::As, memory, memory)?;
+    set(Resource::Cpu, cpu, cpu + CPU_GRACE_S)?;
+    set(Resource::Core, 0, 0)?;
+    if !limits.check {
+        // A system that does not let us is no reason not to plan.
+        let _ = rustix::process::nice(NICE);
+    }
+    Ok(())
+}
+
+fn set(resource: Resource, current: u64, maximum: u64) -> io::Result<()> {
+    let limit = Rlimit { current: Some(current), maximum: Some(maximum) };
+    Ok(rustix::process::setrlimit(resource, limit)?)
+}
+
+struct Attempt<W: Write> {
+    started: Instant,
+    out: std::cell::RefCell<W>,
+}
+
+impl<W: Write> Attempt<W> {
+    fn answer(self, text: &[u8]) -> io::Result<()> {
+        let (machines, document) = halves(text);
+        match self.plan(machines, document) {
+            Ok(outcome) => self.deliver(&outcome),
+            Err(faults) => self.say(&Message::Faults(faults)),
+        }
+    }
+
+    fn check(self, text: &[u8]) -> io::Result<()> {
+        let (machines, document) = halves(text);
+        self.say(&match checked(machines, document) {
+            Ok(label) => Message::Sound(label),
+            Err(faults) => Message::Faults(faults),
+        })
+    }
+
+    fn plan(&self, machines: &[u8], document: &[u8]) -> Result<Outcome, Vec<Finding>> {
+        let catalogue = catalogue(machines)?;
+        let document = document::read(document)?;
+        let on_stage = |name: &'static str| {
+            let message = Message::Stage { name: name.to_owned(), at_s: self.seconds() };
+            // A parent that is gone ends this process by a signal.
+            let _ = self.say(&message);
+        };
+        let never = std::sync::atomic::AtomicBool::new(false);
+        plan(&document, &catalogue, &Budget::new(DEFAULT_STEPS, &never, &on_stage))
+    }
+
+    fn deliver(&self, outcome: &Outcome) -> io::Result<()> {
+        let report = report_text(outcome)?;
+        let mut parts = vec![(Role::Report, "report.json", "", report.as_slice())];
+        for drawing in &outcome.drawings {
+            parts.push((Role::Drawing, &drawing.name, "", drawing.svg.as_bytes()));
+        }
+        for file in &outcome.programs {
+            parts.push((Role::Program, &file.name, file.dialect, file.text.as_bytes()));
+        }
+        let part = |(role, name, dialect, body): &(Role, &str, &str, &[u8])| Part {
+            role: *role,
+            name: (*name).to_owned(),
+            dialect: (*dialect).to_owned(),
+            bytes: body.len() as u64,
+        };
+        self.say(&Message::Answer { at_s: self.seconds(), parts: parts.iter().map(part).collect() })?;
+        let mut out = self.out.borrow_mut();
+        for (_, _, _, body) in &parts {
+            out.write_all(body)?;
+        }
+        out.flush()
+    }
+
+    fn say(&self, message: &Message) -> io::Result<()> {
+        let mut out = self.out.borrow_mut();
+        serde_json::to_writer(&mut *out, message)?;
+        out.write_all(b"\n")?;
+        out.flush()
+    }
+
+    fn seconds(&self) -> f64 {
+        self.started.elapsed().as_secs_f64()
+    }
+}
+
+/// The machines and the document, without the line end between them: the lines of a fault are the document's own.
+fn halves(text: &[u8]) -> (&[u8], &[u8]) {
+    match text.iter().position(|byte| *byte == b'\n') {
+        Some(end) => (&text[..end], &text[end + 1..]),
+        None => (text, &[]),
+    }
+}
+
+fn checked(machines: &[u8], document: &[u8]) -> Result<Label, Vec<Finding>> {
+    let document = document::read(document)?;
+    validate(&document, &catalogue(machines)?)?;
+    let kind = document.input.kind().to_owned();
+    Ok(Label { kind, name: document.name, references: document.references })
+}
+
+/// The bytes of `report.json`.
+///
+/// # Errors
+/// None that a report can cause.
+pub fn report_text(outcome: &Outcome) -> io::Result<Vec<u8>> {
+    let mut text = serde_json::to_vec_pretty(&outcome.report)?;
+    text.push(b'\n');
+    Ok(text)
+}
+
+/// The machines that the document can name: the built-in ones and those that were frozen with it.
+fn catalogue(machines: &[u8]) -> Result<Catalogue, Vec<Finding>> {
+    use crate::planning::finding::Code;
+    let frozen: Vec<MachineProfile> = serde_json::from_slice(machines)
+        .map_err(|error| vec![Finding::error(Code::UnknownMachine, "/input/machine", error.to_string())])?;
+    let mut catalogue = Catalogue::built_in();
+    frozen.into_iter().for_each(|profile| catalogue.insert(profile));
+    Ok(catalogue)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_document_with_faults_is_answered_with_its_faults() {
+        let out = std::cell::RefCell::new(Vec::new());
+        let attempt = Attempt { started: Instant::now(), out };
+        let faults = attempt.plan(b"[]", b"{\"kind\": \"tape-cut\"}").unwrap_err();
+        assert_eq!(faults[0].at, "/input");
+    }
+}

@@ -1,0 +1,87 @@
+//! The command line as a person uses it: exit codes, what stands on standard error, what is written.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+fn project(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+fn bladeplan(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_bladeplan")).args(arguments).output().unwrap()
+}
+
+fn plan(job: &Path, out: &Path) -> (i32, String) {
+    let output = bladeplan(&["plan", job.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+    (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let entries =
+        fs::read_dir(folder).map(|entries| entries.map(|e| e.unwrap().file_name().into_string().unwrap()));
+    let mut names: Vec<String> = entries.map(Iterator::collect).unwrap_or_default();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_usable_job_ends_with_0_and_leaves_its_files() {
+    let folder = TempDir::new().unwrap();
+    for job in ["examples/first.job.json", "examples/wing-skin-trapezoid-45.job.json"] {
+        let (code, said) = plan(&project(job), folder.path());
+        assert_eq!(code, 0, "{said}");
+        let report = fs::read(folder.path().join("report.json")).unwrap();
+        let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
+        let replay = &report["replay"];
+        assert!(replay["max_deviation_mm"].as_f64().unwrap() <= 0.011, "{replay}");
+        assert!(replay["uncut_mm"].as_f64().unwrap() <= 0.02, "{replay}");
+        assert!(replay["unwanted_mm"].as_f64().unwrap() <= 0.02, "{replay}");
+        assert_eq!(replay["tape_reversals"], 0);
+        assert!(files(folder.path()).contains(&"roll.ngc".to_owned()));
+    }
+}
+
+#[test]
+fn an_invalid_job_ends_with_2_names_every_fault_and_writes_nothing() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("out");
+    let (code, said) = plan(&project("tests/fixtures/refused/several-faults-at-once.json"), &out);
+    assert_eq!(code, 2);
+    for pointer in ["/input/tape/width_mm", "/input/boundary/points/2/1", "/input/tracks/0/speed"] {
+        assert!(said.contains(pointer), "{said}");
+    }
+    assert!(!out.exists());
+    assert_eq!(plan(&project("no/such/file.json"), &out).0, 2);
+}
+
+#[test]
+fn a_job_without_a_usable_program_ends_with_3_and_leaves_no_program_not_even_an_older_one() {
+    let folder = TempDir::new().unwrap();
+    assert_eq!(plan(&project("examples/first.job.json"), folder.path()).0, 0);
+    fs::write(folder.path().join("notes.txt"), "mine").unwrap();
+    let (code, said) = plan(&project("tests/golden/two-changes-excess/job.json"), folder.path());
+    assert_eq!(code, 3);
+    assert!(said.contains("course 1: 3 cuts lie side by side between u 340.000 and 380.000 mm"), "{said}");
+    assert_eq!(files(folder.path()), ["notes.txt", "report.json"]);
+}
+
+#[test]
+fn check_passes_what_was_planned_and_refuses_what_was_changed() {
+    let folder = TempDir::new().unwrap();
+    let job = project("examples/first.job.json");
+    assert_eq!(plan(&job, folder.path()).0, 0);
+    let program = folder.path().join("roll.ngc");
+    let check = || bladeplan(&["check", program.to_str().unwrap(), "--job", job.to_str().unwrap()]);
+    assert_eq!(check().status.code(), Some(0));
+    let text = fs::read_to_string(&program).unwrap();
+    fs::write(&program, text.replacen("V37.5", "V37.4", 1)).unwrap();
+    let output = check();
+    assert_eq!(output.status.code(), Some(3));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("roll.ngc:") && said.contains("differs_from_plan"), "{said}");
+    fs::write(&program, "G21\nhello\n").unwrap();
+    assert_eq!(check().status.code(), Some(3));
+}

@@ -1,0 +1,178 @@
+//! The store by itself: fences, recovery, the audit trail.
+
+use std::collections::BTreeMap;
+
+use bladeplan::job::id::{JobId, ProgramId, WorkerId};
+use bladeplan::job::life::{Illegal, NewJob, State};
+use bladeplan::job::moment::Moment;
+use bladeplan::store::attempts::Lost;
+use bladeplan::store::jobs::Post;
+use bladeplan::store::programs::{NewFile, NewProgram};
+use bladeplan::store::results::Answer;
+use bladeplan::store::{Error, Store};
+use tempfile::TempDir;
+
+const fn at(ms: i64) -> Moment {
+    Moment::from_unix_ms(1_700_000_000_000 + ms)
+}
+
+fn worker(number: u8) -> WorkerId {
+    WorkerId::new(at(0), &[number; 10])
+}
+
+async fn posted(store: &Store, number: u8) -> JobId {
+    keyed(store, number, "mes", None).await.unwrap()
+}
+
+async fn keyed(store: &Store, number: u8, actor: &str, key: Option<&str>) -> Result<JobId, Error> {
+    let id = JobId::new(at(i64::from(number)), &[number; 10]);
+    let job = NewJob { id, kind: "tape-cut".into(), name: "x".into(), references: BTreeMap::new() };
+    let now = at(i64::from(number));
+    let post = Post { job, body: b"{}", machines: "[]", key, most_queued: 100, actor, now };
+    Ok(store.post(post).await?.job.id)
+}
+
+fn answer(text: &str) -> Answer {
+    let file = NewFile { name: "roll.ngc".into(), dialect: "linuxcnc".into(), body: text.into() };
+    let id = ProgramId::new(at(0), &text.as_bytes()[..10].try_into().unwrap());
+    let program = Some(NewProgram { id, files: vec![file], archive: None });
+    let report = serde_json::json!({"text": text}).to_string().into_bytes();
+    Answer { report, drawings: vec![], program, stages: vec![] }
+}
+
+async fn open(folder: &TempDir) -> Store {
+    Store::open(&folder.path().join("x.db")).await.unwrap()
+}
+
+#[tokio::test]
+async fn a_late_worker_with_an_old_fence_cannot_commit() {
+    let folder = TempDir::new().unwrap();
+    let store = open(&folder).await;
+    let id = posted(&store, 1).await;
+    let late = store.claim(&worker(1), at(10)).await.unwrap().unwrap();
+    assert!(store.heartbeat(&id, late.fence, at(20)).await.unwrap());
+    assert_eq!(store.recover(Lost::SilentSince(at(20)), at(30)).await.unwrap(), [], "it was heard at 20");
+    assert_eq!(store.recover(Lost::SilentSince(at(21)), at(30)).await.unwrap(), std::slice::from_ref(&id));
+    let second = store.claim(&worker(2), at(40)).await.unwrap().unwrap();
+    assert_eq!((second.id.clone(), second.fence), (id.clone(), late.fence + 1));
+
+    let lost = |result: Result<_, Error>| matches!(result, Err(Error::Illegal(Illegal::FenceLost)));
+    assert!(!store.heartbeat(&id, late.fence, at(50)).await.unwrap());
+    assert!(lost(store.succeed(&id, late.fence, &answer("the late one"), &[], at(50)).await));
+    assert!(lost(store.retry(&id, late.fence, "late", at(50)).await));
+    assert!(lost(store.release(&id, late.fence, at(50)).await));
+    assert!(store.reach(&id, late.fence, &[("late".into(), at(50))]).await.is_err());
+    assert!(matches!(store.report(&id).await, Err(Error::NotFound)), "nothing of the late one is kept");
+
+    store.succeed(&id, second.fence, &answer("the second one"), &[], at(60)).await.unwrap();
+    assert_eq!(store.report(&id).await.unwrap(), br#"{"text":"the second one"}"#);
+    assert!(lost(store.succeed(&id, second.fence, &answer("once more, twice"), &[], at(70)).await));
+    let State::Succeeded { usable: true, .. } = store.job(&id).await.unwrap().state else { panic!() };
+}
+
+#[tokio::test]
+async fn a_cancelled_job_takes_no_answer() {
+    let folder = TempDir::new().unwrap();
+    let store = open(&folder).await;
+    let id = posted(&store, 1).await;
+    let job = store.claim(&worker(1), at(10)).await.unwrap().unwrap();
+    store.cancel(&id, "mes", None, at(20)).await.unwrap();
+    let result = store.succeed(&id, job.fence, &answer("too late, all"), &[], at(30)).await;
+    assert!(matches!(result, Err(Error::Illegal(Illegal::FenceLost))));
+    assert!(matches!(store.report(&id).await, Err(Error::NotFound)));
+}
+
+#[tokio::test]
+async fn workers_at_the_same_time_get_different_jobs_in_the_order_of_posting() {
+    let folder = TempDir::new().unwrap();
+    let store = open(&folder).await;
+    let mut ids = Vec::new();
+    for number in 1..=20 {
+        ids.push(posted(&store, number).await);
+    }
+    let mut claims = tokio::task::JoinSet::new();
+    for number in 1..=30 {
+        let store = store.clone();
+        claims.spawn(async move { store.claim(&worker(number), at(100)).await.unwrap().map(|job| job.id) });
+    }
+    let mut claimed: Vec<JobId> = claims.join_all().await.into_iter().flatten().collect();
+    claimed.sort();
+    assert_eq!(claimed, ids);
+}
+
+#[tokio::test]
+async fn a_job_that_comes_back_keeps_its_place() {
+    let folder = TempDir::new().unwrap();
+    let store = open(&folder).await;
+    let first = posted(&store, 1).await;
+    posted(&store, 2).await;
+    let job = store.claim(&worker(1), at(10)).await.unwrap().unwrap();
+    assert_eq!(job.id, first);
+    store.retry(&first, job.fence, "killed", at(20)).await.unwrap();
+    assert_eq!(store.claim(&worker(1), at(30)).await.unwrap().unwrap().id, first);
+}
+
+#[tokio::test]
+async fn every_change_of_state_has_its_row_and_the_rows_form_a_chain() {
+    let folder = TempDir::new().unwrap();
+    let store = open(&folder).await;
+    let id = posted(&store, 1).await;
+    let job = store.claim(&worker(1), at(10)).await.unwrap().unwrap();
+    store.retry(&id, job.fence, "killed", at(20)).await.unwrap();
+    let job = store.claim(&worker(2), at(30)).await.unwrap().unwrap();
+    store.succeed(&id, job.fence, &answer("the program"), &[], at(40)).await.unwrap();
+    let rows = store.audit(0, 100).await.unwrap();
+    let actions: Vec<&str> = rows.iter().map(|row| row.action.as_str()).collect();
+    let expected =
+        ["job.queued", "job.running", "job.queued", "job.running", "job.succeeded", "program.drafted"];
+    assert_eq!(actions, expected);
+    assert_eq!((rows[0].actor.as_str(), rows[1].actor.as_str()), ("mes", worker(1).as_str()));
+    for (index, row) in rows.iter().enumerate() {
+        assert_eq!(row.hash, row.expected_hash(), "{row:?}");
+        assert_eq!(row.seq, index as i64 + 1);
+        if index > 0 {
+            assert_eq!(row.previous, rows[index - 1].hash);
+        }
+    }
+    let mut changed = rows[4].clone();
+    changed.actor = "somebody".into();
+    assert_ne!(changed.hash, changed.expected_hash(), "a changed row shows");
+}
+
+#[tokio::test]
+async fn what_is_committed_is_there_after_opening_again() {
+    let folder = TempDir::new().unwrap();
+    let store = open(&folder).await;
+    let id = posted(&store, 1).await;
+    store.claim(&worker(1), at(10)).await.unwrap().unwrap();
+    drop(store);
+    let store = open(&folder).await;
+    assert_eq!(store.recover(Lost::All, at(20)).await.unwrap(), std::slice::from_ref(&id));
+    assert_eq!(store.job(&id).await.unwrap().attempts, 1, "the attempt had been counted");
+    assert_eq!(store.claim(&worker(2), at(30)).await.unwrap().unwrap().fence, 2);
+}
+
+#[tokio::test]
+async fn an_idempotency_key_belongs_to_its_sender() {
+    let folder = TempDir::new().unwrap();
+    let store = open(&folder).await;
+    let first = keyed(&store, 1, "mes", Some("k")).await.unwrap();
+    assert_eq!(keyed(&store, 2, "mes", Some("k")).await.unwrap(), first);
+    assert_ne!(keyed(&store, 3, "engineer", Some("k")).await.unwrap(), first);
+    assert!(matches!(store.posted_before("mes", "k", b"other").await, Err(Error::KeyReused)));
+    assert_eq!(store.posted_before("auditor", "k", b"{}").await.unwrap(), None);
+}
+
+#[tokio::test]
+async fn posts_at_the_same_time_with_one_key_give_one_job() {
+    let folder = TempDir::new().unwrap();
+    let store = open(&folder).await;
+    let mut posts = tokio::task::JoinSet::new();
+    for number in 1..=20 {
+        let store = store.clone();
+        posts.spawn(async move { keyed(&store, number, "mes", Some("k")).await.unwrap() });
+    }
+    let mut ids = posts.join_all().await;
+    ids.dedup();
+    assert_eq!(ids.len(), 1);
+}
