@@ -44,6 +44,11 @@ pub struct Config {
     #[arg(long, value_name = "SECONDS", default_value_t = 900, value_parser = clap::value_parser!(u32).range(1..))]
     pub attempt_wall_s: u32,
 
+    /// Every planning attempt stops before it begins, until it is sent SIGCONT: for a debugger, and for the tests of
+    /// what becomes of an attempt
+    #[arg(long, hide = true)]
+    pub pause_attempts: bool,
+
     /// A machine that was not heard of for so long makes its run suspect, in seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..=86_400))]
     pub lease_s: u32,

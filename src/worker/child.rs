@@ -33,6 +33,9 @@ pub struct Limits {
     /// Check the document and plan nothing
     #[arg(long)]
     pub check: bool,
+    /// Stop once the limits are set, until SIGCONT comes
+    #[arg(long)]
+    pub pause: bool,
 }
 
 /// The kernel ends a process that has ignored the first signal so many seconds later.
@@ -68,6 +71,9 @@ fn confine(limits: &Limits) -> io::Result<()> {
     if !limits.check {
         // A system that does not let us is no reason not to plan.
         let _ = rustix::process::nice(NICE);
+    }
+    if limits.pause {
+        rustix::process::kill_process(rustix::process::getpid(), Signal::STOP)?;
     }
     Ok(())
 }

@@ -134,6 +134,7 @@ fn command(config: &Config, task: Task) -> Command {
         .args(["--cpu-s", &config.attempt_cpu_s.to_string()])
         .args(["--parent", &std::process::id().to_string()])
         .args((task == Task::Check).then_some("--check"))
+        .args((task == Task::Plan && config.pause_attempts).then_some("--pause"))
         .env_clear()
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

@@ -12,8 +12,12 @@ use rustix::process::{Pid, Signal, kill_process};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-/// Nothing here takes longer, unless it hangs.
-pub const PATIENCE: Duration = Duration::from_secs(60);
+/// Nothing here takes longer, unless it hangs: a test that waits so long has failed, on the slowest machine too.
+pub const PATIENCE: Duration = Duration::from_secs(300);
+
+/// A service with this flag has every attempt stop before it begins, so that a test finds it there however fast or
+/// slow the machine is.
+pub const PAUSED: &str = "--pause-attempts";
 
 /// A running service. It is killed when it is dropped.
 pub struct Served {
@@ -41,8 +45,9 @@ impl Served {
             child.stderr.take().unwrap().read_to_string(&mut words).unwrap();
             panic!("the service did not start: {first}{words}");
         };
-        let client = Client::builder().no_proxy().timeout(PATIENCE).build().unwrap();
-        Self { child, address, folder, client }
+        // The service closes a connection that was idle for a while, perhaps just when it would be used again.
+        let client = Client::builder().no_proxy().timeout(PATIENCE).pool_max_idle_per_host(0);
+        Self { child, address, folder, client: client.build().unwrap() }
     }
 
     /// The folder of its store.
@@ -154,11 +159,10 @@ impl Served {
         numbers.filter(|pid| plans_for(*pid, self.child.id()).is_some()).collect()
     }
 
-    /// Waits until a child plans, and has it stand still: an attempt that takes as long as a test needs.
-    pub fn frozen_attempt(&self) -> i32 {
-        let attempt = until(|| self.attempts().first().copied());
-        kill_process(Pid::from_raw(attempt).unwrap(), Signal::STOP).unwrap();
-        attempt
+    /// Waits for an attempt that is none of these and stands still. The service was started with [`PAUSED`].
+    pub fn paused_attempt(&self, known: &[i32]) -> i32 {
+        let is_new = |pid: &i32| !known.contains(pid) && state(*pid) == Some('T');
+        until(|| self.attempts().into_iter().find(is_new))
     }
 
     /// Ends the service as `kill -9` does.
@@ -170,8 +174,7 @@ impl Served {
 
     /// Sends SIGTERM.
     pub fn terminate(&self) {
-        let pid = Pid::from_raw(i32::try_from(self.child.id()).unwrap()).unwrap();
-        kill_process(pid, Signal::TERM).unwrap();
+        signal(i32::try_from(self.child.id()).unwrap(), Signal::TERM);
     }
 
     /// Waits until the service has ended by itself.
@@ -239,7 +242,19 @@ pub fn unusable_job() -> Value {
     ply("unusable", json!(points), &[50.0])
 }
 
-/// A round ply of so many points: seconds of work for a debug build.
+/// A ply whose upper edge goes up and down all the time, less and less: to plan it takes work that grows with the
+/// square of its points.
+pub fn rough_job(points: u32) -> Value {
+    let edge = |index: u32| {
+        let part = f64::from(index) / f64::from(points);
+        let up = if index.is_multiple_of(2) { 1.0 } else { -1.0 };
+        [2000.0 * part, 50.0 + 40.0 * (1.0 - part) * up, 0.0]
+    };
+    let outline: Vec<_> = (0..points).map(edge).chain([[2000.0, -20.0, 0.0], [0.0, -20.0, 0.0]]).collect();
+    ply("rough", json!(outline), &[50.0])
+}
+
+/// A round ply of so many points.
 pub fn large_job(points: u32) -> Value {
     let point = |index: u32| {
         let angle = f64::from(index) / f64::from(points) * std::f64::consts::TAU;
@@ -287,6 +302,16 @@ pub fn plans_for(pid: i32, parent: u32) -> Option<()> {
 
 /// Whether a process is there and has not ended; one that nobody has asked for yet has.
 pub fn lives(pid: i32) -> bool {
-    let status = fs::read_to_string(format!("/proc/{pid}/status")).unwrap_or_default();
-    status.lines().any(|line| line.starts_with("State:") && !line.starts_with("State:\tZ"))
+    state(pid).is_some_and(|letter| letter != 'Z')
+}
+
+/// The letter of a process's state: T if it was stopped, Z if it has ended and nobody has asked.
+fn state(pid: i32) -> Option<char> {
+    let status = fs::read_to_string(format!("/proc/{pid}/status")).ok()?;
+    status.lines().find_map(|line| line.strip_prefix("State:")?.trim().chars().next())
+}
+
+/// Sends a signal to a process, if it has not ended.
+pub fn signal(pid: i32, signal: Signal) {
+    let _ = kill_process(Pid::from_raw(pid).unwrap(), signal);
 }

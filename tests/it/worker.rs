@@ -3,21 +3,18 @@
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
-use rustix::process::{Pid, Signal, kill_process};
+use rustix::process::Signal;
 use serde_json::json;
 
-use crate::served::{Served, large_job, lives, plans_for, small_job, until};
-
-fn signal(pid: i32, signal: Signal) {
-    kill_process(Pid::from_raw(pid).unwrap(), signal).unwrap();
-}
+use crate::served::{PAUSED, Served, large_job, lives, plans_for, rough_job, signal, small_job, until};
 
 #[test]
 fn an_attempt_that_is_killed_is_made_again() {
-    let served = Served::start(&["--workers", "1"]);
-    let id = served.posted(&large_job(5_000));
-    let attempt = served.frozen_attempt();
-    signal(attempt, Signal::KILL);
+    let served = Served::start(&["--workers", "1", PAUSED]);
+    let id = served.posted(&small_job("x"));
+    let first = served.paused_attempt(&[]);
+    signal(first, Signal::KILL);
+    signal(served.paused_attempt(&[first]), Signal::CONT);
     let job = served.ended(&id);
     assert_eq!((&job["state"], &job["attempts"]), (&json!("succeeded"), &json!(2)), "{job}");
     assert_eq!(served.json("/v1/programs")["programs"].as_array().unwrap().len(), 1);
@@ -25,19 +22,20 @@ fn an_attempt_that_is_killed_is_made_again() {
 
 #[test]
 fn after_three_killed_attempts_the_job_fails_and_says_why() {
-    let served = Served::start(&["--workers", "1"]);
-    let id = served.posted(&large_job(5_000));
-    let mut last = 0;
+    let served = Served::start(&["--workers", "1", PAUSED]);
+    let id = served.posted(&small_job("x"));
+    let mut known = Vec::new();
     for _ in 0..3 {
-        let attempt = until(|| served.attempts().into_iter().find(|pid| *pid != last));
-        signal(attempt, Signal::KILL);
-        last = attempt;
+        known.push(served.paused_attempt(&known));
+        signal(known[known.len() - 1], Signal::KILL);
     }
     let job = served.ended(&id);
     assert_eq!((&job["state"], &job["attempts"]), (&json!("failed"), &json!(3)), "{job}");
     assert_eq!(job["failure"]["code"], "attempts_used_up");
     assert!(job["failure"]["detail"].as_str().unwrap().contains("signal 9"), "{job}");
-    assert_eq!(served.ended(&served.posted(&small_job("next")))["state"], "succeeded");
+    let next = served.posted(&small_job("next"));
+    signal(served.paused_attempt(&known), Signal::CONT);
+    assert_eq!(served.ended(&next)["state"], "succeeded");
 }
 
 #[test]
@@ -53,7 +51,7 @@ fn an_attempt_that_eats_memory_ends_alone() {
 #[test]
 fn an_attempt_that_eats_processor_time_ends_alone() {
     let served = Served::start(&["--workers", "1", "--attempt-cpu-s", "1"]);
-    let poison = served.posted(&large_job(60_000));
+    let poison = served.posted(&rough_job(100_000));
     let job = served.ended(&poison);
     assert_eq!((&job["state"], &job["failure"]["code"]), (&json!("failed"), &json!("cpu_limit")), "{job}");
     assert_eq!(served.ended(&served.posted(&small_job("next")))["state"], "succeeded");
@@ -61,20 +59,14 @@ fn an_attempt_that_eats_processor_time_ends_alone() {
 
 #[test]
 fn attempts_that_stand_still_are_ended_by_the_clock() {
-    let served = Served::start(&["--workers", "1", "--attempt-wall-s", "2"]);
-    let id = served.posted(&large_job(5_000));
-    let mut last = 0;
-    for _ in 0..3 {
-        last = until(|| served.attempts().into_iter().find(|pid| *pid != last));
-        signal(last, Signal::STOP);
-    }
-    let job = served.ended(&id);
+    let served = Served::start(&["--workers", "1", "--attempt-wall-s", "1", PAUSED]);
+    let job = served.ended(&served.posted(&small_job("x")));
     assert_eq!(
         (&job["state"], &job["failure"]["code"]),
         (&json!("failed"), &json!("attempts_used_up")),
         "{job}"
     );
-    assert!(job["failure"]["detail"].as_str().unwrap().contains("2 s by the clock"), "{job}");
+    assert!(job["failure"]["detail"].as_str().unwrap().contains("1 s by the clock"), "{job}");
     assert!(served.attempts().is_empty(), "none of them is left behind");
 }
 
