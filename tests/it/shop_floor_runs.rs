@@ -330,8 +330,12 @@ fn silence_makes_suspect_gives_nothing_out_and_ends_with_the_machine() {
     let (status, back) = floor.put(&run, "heartbeat", &json!({"fence": 1}));
     assert_eq!((status, &back["state"]), (200, &json!("running")), "it is where it was");
     assert_eq!(floor.put(&run, "result", &outcome(&run, "done")).1["state"], "done");
+    // On a slow machine it falls silent between any two steps, so that there may be more rows between these.
     let actions = floor.actions_of(&run["id"]);
-    assert_eq!(actions[2..5], ["run.running", "run.suspect", "run.running"], "{actions:?}");
+    let mut rows = actions.iter();
+    for wanted in ["run.offered", "run.received", "run.running", "run.suspect", "run.running", "run.done"] {
+        assert!(rows.any(|action| action == wanted), "no {wanted} in its place: {actions:?}");
+    }
 }
 
 #[test]
