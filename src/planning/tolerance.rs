@@ -15,6 +15,10 @@ pub const STRIP_EDGE_MM: f64 = 0.001;
 /// Two points closer than this, in mm, are one point. Inputs are printed with six decimals at best.
 pub const SAME_POINT_MM: f64 = 1e-6;
 
+/// Places of the roll closer than this, in mm, are one place to a knife: a program's last printed digit. Two cuts that
+/// are drawn to meet there overlap by more than [`SAME_POINT_MM`] once their corners are rounded to six decimals.
+pub const ONE_PLACE_MM: f64 = 1e-4;
+
 /// Default chord tolerance, in mm, to which cut points are thinned out (domain.md A7).
 pub const CHORD_MM: f64 = 0.01;
 

@@ -13,7 +13,8 @@ use bladeplan::planning::outcome::{Outcome, Verdict};
 use bladeplan::planning::program::events::{AXIS_LETTERS, Event, Executed, Positions};
 use bladeplan::planning::program::nc::read::read;
 use bladeplan::planning::tape::machine::Catalogue;
-use serde_json::Value;
+use rstest::rstest;
+use serde_json::{Value, json};
 
 /// Every folder of golden cases, sorted.
 pub fn cases() -> Vec<PathBuf> {
@@ -134,4 +135,35 @@ fn no_piece_of_an_unsymmetric_ply_is_mirrored() {
     // Laid the other way round, the notch is at the start and on the right.
     let from_above = job.replace("[0,0,1]", "[0,0,-1]");
     assert_eq!(lengthwise_v(&plan(&from_above)), -37.5);
+}
+
+/// An end with two changes of direction that two knives can just cut: its first and its last point lie at one u, so
+/// that one chain ends where another of the same knife begins. On a ply turned in its plane, rounding the corners to
+/// six decimals moved one of them past the other, and the job had no plan or a program that ran the tape back.
+#[rstest]
+#[case(167.171_271_278_744_48, 345.918_15, [186.316_514_893_757_78, 374.681_904_361_602_6])]
+#[case(151.629_061_277_781_55, 335.439_596, [48.865_939_189_811_14, 415.513_406_819_815_43])]
+#[case(7.435_989_788_269_173, 332.095_357, [312.814_047_850_533_7, 332.271_704_896_413_67])]
+#[case(287.492_325_617_559_4, 331.298_55, [464.003_117_941_637_47, 114.905_530_384_403_04])]
+fn ends_that_meet_at_one_place_are_cut_on_a_turned_ply(
+    #[case] angle: f64,
+    #[case] meeting_u: f64,
+    #[case] origin: [f64; 2],
+) {
+    let (sin, cos) = angle.to_radians().sin_cos();
+    let decimals = |x: f64| (x * 1e6).round() / 1e6;
+    let place = |u: f64, v: f64| {
+        [decimals(origin[0] + u * cos - v * sin), decimals(origin[1] + u * sin + v * cos), 0.0]
+    };
+    let corners =
+        [(0.0, -37.5), (meeting_u, -37.5), (400.0, -12.5), (300.0, 12.5), (meeting_u, 37.5), (0.0, 37.5)];
+    let track = |u: f64| json!({"position": place(u, 0.0), "normal": [0, 0, 1]});
+    let job = json!({"kind": "tape-cut", "input": {
+        "tape": {"width_mm": 75, "thickness_mm": 0.125},
+        "boundary": {"points": corners.map(|(u, v)| place(u, v))},
+        "tracks": [{"number": 1, "points": [track(0.0), track(500.0)]}],
+        "machine": "two-cutter-lab"}});
+    let document = document::from_value(job).unwrap();
+    let outcome = plan(&document, &Catalogue::built_in(), &Budget::unwatched()).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Usable, "{:?}", outcome.findings);
 }

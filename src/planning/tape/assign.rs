@@ -4,9 +4,11 @@
 //! cut by k knives exactly when no place of the roll lies strictly inside more than k of them. Where the
 //! published rule does not cover a cut, or its choice collides, the fewest published choices are given up.
 
+use std::cmp::Ordering;
+
 use crate::planning::finding::{Code, Finding};
 use crate::planning::tape::chain::{Chain, Slope};
-use crate::planning::tolerance::SAME_POINT_MM;
+use crate::planning::tolerance::ONE_PLACE_MM;
 
 /// A chain on the roll.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,17 +74,26 @@ fn general_rule(chain: &RollChain, given: usize) -> Finding {
 /// The chains in the order in which they pass the knives: larger r first.
 fn by_start(chains: &[RollChain]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..chains.len()).collect();
-    order.sort_by(|&a, &b| {
-        let (one, other) = (&chains[a].range, &chains[b].range);
-        other.1.total_cmp(&one.1).then(other.0.total_cmp(&one.0)).then(a.cmp(&b))
-    });
+    order.sort_by(|&a, &b| passing(chains[a].range, chains[b].range).then(a.cmp(&b)));
     order
+}
+
+/// The order in which two stretches of the tape, smallest and largest coordinate, are begun by a knife.
+#[must_use]
+pub fn passing(one: (f64, f64), other: (f64, f64)) -> Ordering {
+    begin(other).total_cmp(&begin(one)).then(other.0.total_cmp(&one.0))
+}
+
+/// Where a stretch is begun. One that is no longer than a place comes before those that begin at that place: a knife
+/// that had made one of them would be past it.
+fn begin((low, high): (f64, f64)) -> f64 {
+    if high - low <= ONE_PLACE_MM { high + ONE_PLACE_MM } else { high }
 }
 
 /// Whether two chains cannot be made by one knife: their open intervals overlap. A chain square across is a
 /// place; a knife that is in the middle of another chain cannot leave it for that.
 fn collide(one: &RollChain, other: &RollChain) -> bool {
-    one.range.0 < other.range.1 - SAME_POINT_MM && other.range.0 < one.range.1 - SAME_POINT_MM
+    one.range.0 < other.range.1 - ONE_PLACE_MM && other.range.0 < one.range.1 - ONE_PLACE_MM
 }
 
 /// The stretches of the roll with too many chains side by side, one finding each.
@@ -117,11 +128,11 @@ struct Event {
 }
 
 /// Intervals are open: one that ends where another begins does not run beside it, so each is drawn in by the
-/// width of a point.
+/// width of a place: half of it at each end.
 fn events(chains: &[RollChain]) -> Vec<Event> {
     let mut events = Vec::new();
     for (chain, RollChain { range: (low, high), .. }) in chains.iter().enumerate() {
-        let (low, high) = (low + SAME_POINT_MM, high - SAME_POINT_MM);
+        let (low, high) = (low + ONE_PLACE_MM / 2.0, high - ONE_PLACE_MM / 2.0);
         if low < high {
             events.push(Event { place: high, begins: true, chain });
             events.push(Event { place: low, begins: false, chain });
@@ -133,7 +144,7 @@ fn events(chains: &[RollChain]) -> Vec<Event> {
 
 /// Cuts square across in the middle of as many chains as there are knives.
 fn crowded_squares(chains: &[RollChain], knives: usize) -> Vec<Finding> {
-    let squares = chains.iter().filter(|chain| chain.range.1 - chain.range.0 <= 2.0 * SAME_POINT_MM);
+    let squares = chains.iter().filter(|chain| chain.range.1 - chain.range.0 <= ONE_PLACE_MM);
     let beside = |square: &RollChain| chains.iter().filter(|other| collide(square, other)).count();
     squares
         .filter(|square| beside(square) >= knives)
@@ -214,8 +225,8 @@ impl Search<'_> {
 
     /// Chains that are over at the start of `index` no longer matter for what can follow.
     fn still_busy(&self, busy: [Option<usize>; 2], index: usize) -> [Option<usize>; 2] {
-        let level = self.chains[index].range.1;
-        busy.map(|chain| chain.filter(|&other| self.chains[other].range.0 < level - SAME_POINT_MM))
+        let level = begin(self.chains[index].range);
+        busy.map(|chain| chain.filter(|&other| self.chains[other].range.0 < level - ONE_PLACE_MM))
     }
 
     fn best(&self) -> Vec<usize> {
@@ -266,6 +277,32 @@ mod tests {
         let chains =
             [chain(360.0, 400.0, 1, false), chain(300.0, 400.0, 0, false), chain(300.0, 360.0, 1, false)];
         assert_eq!(assign(&chains, 2).unwrap().0, [1, 0, 1]);
+    }
+
+    #[test]
+    fn ends_drawn_at_one_place_share_a_knife_whatever_rounding_has_made_of_them() {
+        for off in [-9e-5, -2e-6, 2e-6, 9e-5] {
+            let chains = [
+                chain(340.0, 400.0, 1, false),
+                chain(300.0, 400.0, 0, false),
+                chain(300.0, 340.0 + off, 1, false),
+            ];
+            assert_eq!(assign(&chains, 2).unwrap().0, [1, 0, 1], "{off}");
+        }
+        let apart = [
+            chain(340.0, 400.0, 1, false),
+            chain(300.0, 400.0, 0, false),
+            chain(300.0, 340.000_11, 1, false),
+        ];
+        assert!(assign(&apart, 2).is_err());
+    }
+
+    #[test]
+    fn a_cut_square_across_at_the_place_where_another_begins_comes_first() {
+        let (square, long) = ((340.0, 340.0), (300.0, 340.000_05));
+        assert_eq!((passing(square, long), passing(long, square)), (Ordering::Less, Ordering::Greater));
+        assert_eq!(passing((400.0, 500.0), square), Ordering::Less);
+        assert_eq!(passing((300.0, 340.000_11), square), Ordering::Less, "it is begun before that place");
     }
 
     #[test]

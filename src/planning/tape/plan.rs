@@ -1,6 +1,6 @@
 //! The plan of a ply: pieces, their chains, their places on the roll and their knives.
 
-use super::assign::{RollChain, assign, published};
+use super::assign::{RollChain, assign, passing, published};
 use super::chain::{Chain, split};
 use super::develop::develop;
 use super::input::{Course, TapeInput};
@@ -192,17 +192,16 @@ impl TapePlan {
     /// The strokes of each cutter in the order in which they pass it.
     #[must_use]
     pub fn strokes(&self, input: &TapeInput) -> Vec<Vec<Stroke>> {
-        let mut of_cutters = vec![Vec::new(); input.machine.cutters.len()];
+        let mut of_cutters: Vec<Vec<Stroke>> = vec![Vec::new(); input.machine.cutters.len()];
         for (course, piece) in self.pieces().rev() {
             let mut chains: Vec<&(Chain, usize)> = piece.chains.iter().collect();
-            chains.sort_by(|(one, _), (other, _)| {
-                let (one, other) = (one.u_range(), other.u_range());
-                other.1.total_cmp(&one.1).then(other.0.total_cmp(&one.0))
-            });
+            chains.sort_by(|(one, _), (other, _)| passing(one.u_range(), other.u_range()));
             for (chain, cutter) in chains {
                 let machine_cutter = &input.machine.cutters[*cutter];
                 let x_of_u0 = self.figures.lead_mm - piece.offset_mm + machine_cutter.station.mm();
-                let made = strokes(chain, course.number, machine_cutter, x_of_u0, input.tolerance.mm());
+                let mut made = strokes(chain, course.number, machine_cutter, x_of_u0, input.tolerance.mm());
+                let before = of_cutters[*cutter].last().and_then(|stroke| stroke.knots.last());
+                hold_back(&mut made, before.map_or(f64::NEG_INFINITY, |knot| knot.x));
                 of_cutters[*cutter].extend(made);
             }
         }
@@ -220,5 +219,13 @@ impl TapePlan {
             }));
         }
         wanted
+    }
+}
+
+/// Two chains that meet at one place may overlap there by as much as that is: the second is begun where the tape
+/// stands, which only runs forward.
+fn hold_back(strokes: &mut [Stroke], x: f64) {
+    for knot in strokes.iter_mut().flat_map(|stroke| &mut stroke.knots) {
+        knot.x = knot.x.max(x);
     }
 }
