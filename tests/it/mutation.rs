@@ -192,3 +192,21 @@ fn rounding_alone_is_no_other_cut() {
     assert!(!cuts_otherwise(&before, &meaning(&near).unwrap()));
     assert!(cuts_otherwise(&before, &meaning(&far).unwrap()));
 }
+
+#[test]
+fn a_line_longer_than_the_machine_takes_is_refused() {
+    let case = cases().into_iter().find(|case| case.ends_with("greater-and-less")).unwrap();
+    let job = document::read(&std::fs::read(case.join("job.json")).unwrap()).unwrap();
+    let text = outcome(&case).programs.remove(0).text;
+    // The profile says 200; LinuxCNC itself would take more.
+    let errors = |length: usize| {
+        let comment = format!("({})\n", "X".repeat(length - 2));
+        let changed = text.replacen("N10 ", &format!("{comment}N10 "), 1);
+        let (_, findings) =
+            check(&job, &Catalogue::built_in(), "roll.ngc", &changed, &Budget::unwatched()).unwrap();
+        let errors = findings.into_iter().filter(|finding| finding.is_error());
+        errors.map(|finding| (finding.code, finding.at)).collect::<Vec<_>>()
+    };
+    assert_eq!(errors(200), []);
+    assert_eq!(errors(201), [(Code::UnreadableProgram, "roll.ngc:4".to_owned())]);
+}

@@ -120,10 +120,20 @@ pub fn replay_text(
         tape_width_mm: input.width.mm(),
         wanted: &wanted,
     };
-    match nc::read::read(name, text) {
+    let (figures, mut findings) = match nc::read::read(name, text) {
         Ok(events) => replay(&setup, &events),
         Err(faults) => (ReplayFigures::nothing_made(&wanted), faults),
-    }
+    };
+    findings.extend(too_long(name, text, input.machine.max_line_characters));
+    (figures, findings)
+}
+
+/// The first line that is longer than the machine's control takes.
+fn too_long(name: &str, text: &str, most: usize) -> Option<Finding> {
+    let lengths = text.lines().map(|line| line.chars().count());
+    let (index, length) = lengths.enumerate().find(|(_, length)| *length > most)?;
+    let message = format!("the line has {length} characters, the machine's control takes {most}");
+    Some(Finding::error(Code::UnreadableProgram, format!("{name}:{}", index + 1), message))
 }
 
 /// Replays a program against a job: the figures in words, and every finding. A text that differs from the one

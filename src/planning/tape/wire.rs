@@ -17,6 +17,9 @@ const MOST_LOOPS: usize = 10_000;
 const LARGEST_RATE: f64 = 1e6;
 /// The longest dwell in s.
 const LONGEST_DWELL_S: f64 = 10.0;
+/// A control whose lines are shorter, in characters, takes no program: the header alone is longer, and a block that
+/// moves every axis nearly so.
+const SHORTEST_LINE: i64 = 80;
 /// The largest digital output of a controller.
 const LARGEST_OUTPUT: i64 = 63;
 
@@ -434,7 +437,7 @@ pub const MACHINE_PROFILE: Shape = Shape::Object(&[
         "program",
         Shape::Object(&[
             required("optional_stop_per_course", Shape::Boolean),
-            required("max_line_characters", Shape::Integer { min: 60, max: 250 }),
+            required("max_line_characters", Shape::Integer { min: SHORTEST_LINE, max: 250 }),
         ]),
     ),
 ]);
