@@ -92,7 +92,17 @@ async fn bring_up_to_date(pool: &SqlitePool, database: &Path) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::is_new_enough;
+    use super::{is_new_enough, writer};
+
+    #[tokio::test]
+    async fn the_writer_keeps_what_it_has_acknowledged_through_a_power_loss() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let pool = writer(&folder.path().join("x.db")).await.unwrap();
+        let (mode,): (String,) = sqlx::query_as("PRAGMA journal_mode").fetch_one(&pool).await.unwrap();
+        let (synchronous,): (i64,) = sqlx::query_as("PRAGMA synchronous").fetch_one(&pool).await.unwrap();
+        const FULL: i64 = 2;
+        assert_eq!((mode.as_str(), synchronous), ("wal", FULL));
+    }
 
     #[test]
     fn sqlite_below_3_51_3_is_refused() {
