@@ -168,16 +168,26 @@ fn every_change_is_in_the_trail_and_a_changed_row_breaks_it() {
     let sha256 = served.json(&format!("/v1/programs/{program}"))["sha256"].clone();
     let approval = format!("/v1/programs/{program}/approval");
     served.call("PUT", &approval, Some(&json!({"sha256": sha256})), None);
-    let trail = || -> Vec<Value> {
-        let text = served.get("/v1/audit").send().unwrap().text().unwrap();
+    let trail_after = |seq: i64| -> Vec<Value> {
+        let text = served.get(&format!("/v1/audit?after={seq}")).send().unwrap().text().unwrap();
         text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
     };
+    let trail = || trail_after(0);
     let rows = trail();
+    assert!(
+        (1..rows.len()).all(|seq| trail_after(seq as i64) == rows[seq..]),
+        "a page is a part of the trail"
+    );
+    let page = served.get("/v1/audit?limit=2").send().unwrap().text().unwrap();
+    assert_eq!(page.lines().count(), 2);
     assert!(rows.iter().any(|row| row["action"] == "program.approved" && row["detail"]["sha256"] == sha256));
     assert!(rows.iter().all(|row| row.get("broken").is_none()), "{rows:?}");
     execute(&served, "UPDATE audit SET actor = 'somebody else' WHERE action = 'program.approved'");
     let broken: Vec<_> = trail().into_iter().filter(|row| row["broken"] == true).collect();
     assert_eq!((broken.len(), &broken[0]["action"]), (1, &json!("program.approved")));
     execute(&served, "DELETE FROM audit WHERE seq = 2");
-    assert!(trail().iter().any(|row| row["seq"] == 3 && row["broken"] == true), "a missing row is noticed");
+    for after in [0, 1, 2] {
+        let noticed = trail_after(after).iter().any(|row| row["seq"] == 3 && row["broken"] == true);
+        assert!(noticed, "a missing row is noticed, also by whoever reads on behind it: {after}");
+    }
 }

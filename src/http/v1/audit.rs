@@ -51,21 +51,17 @@ async fn read_audit(State(service): State<Service>, Query(query): Query<AuditQue
     }
     // The row before the page belongs to its chain.
     let rows = service.store().audit((query.after - 1).max(0), limit + 1).await?;
-    let mut before: Option<&AuditRow> = None;
-    let mut text = String::new();
-    for row in &rows {
-        if row.seq > query.after {
-            text.push_str(&line(row, before, query.after));
-        }
-        before = Some(row);
-    }
+    let first = rows.iter().take_while(|row| row.seq <= query.after).count();
+    let page = (first..rows.len()).take(usize::try_from(limit).unwrap_or_default());
+    let text: String =
+        page.map(|at| line(&rows[at], at.checked_sub(1).map(|before| &rows[before]))).collect();
     Ok(([(header::CONTENT_TYPE, "application/x-ndjson")], text).into_response())
 }
 
-fn line(row: &AuditRow, before: Option<&AuditRow>, after: i64) -> String {
+fn line(row: &AuditRow, before: Option<&AuditRow>) -> String {
     let follows = match before {
         Some(before) => row.seq == before.seq + 1 && row.previous == before.hash,
-        None => row.seq == 1 || after > 0,
+        None => row.seq == 1,
     };
     let mut value = json!({
         "seq": row.seq,
