@@ -3,6 +3,7 @@
 use std::fmt::Display;
 use std::str::FromStr;
 
+use axum::body::Bytes;
 use axum::extract::rejection::QueryRejection;
 use axum::extract::{FromRequest, FromRequestParts, RawPathParams, Request};
 use axum::http::request::Parts;
@@ -12,6 +13,8 @@ use serde::de::DeserializeOwned;
 use super::problem::{Problem, ProblemCode};
 use crate::config::BODY_PAUSE;
 use crate::job::id::{JobId, ProgramId};
+use crate::planning::document;
+use crate::planning::finding::Code;
 
 /// The query of an address.
 #[derive(Debug, Clone)]
@@ -28,9 +31,28 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Query<T> {
     }
 }
 
+/// What an address names, as text or as what is made from text.
+#[derive(Debug, Clone)]
+pub struct Path<T>(pub T);
+
+impl<T: DeserializeOwned + Send, S: Send + Sync> FromRequestParts<S> for Path<T> {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let read = axum::extract::Path::<T>::from_request_parts(parts, state).await;
+        // What is no text names nothing.
+        read.map(|path| Self(path.0)).map_err(|_| Problem::new(ProblemCode::NotFound))
+    }
+}
+
 /// The JSON body of a small request.
 #[derive(Debug, Clone)]
 pub struct Body<T>(pub T);
+
+/// The JSON body of a small request, if there is one. Only for methods that a browser asks leave for before it sends
+/// them from a page of another site: the media type is not looked at.
+#[derive(Debug, Clone)]
+pub struct OptionalBody<T>(pub Option<T>);
 
 /// No body that is read this way needs more, in bytes.
 const LARGEST_BODY: usize = 64 * 1024;
@@ -40,21 +62,37 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for Body<T> {
 
     async fn from_request(request: Request, _state: &S) -> Result<Self, Problem> {
         refuse_other_media(request.headers())?;
-        let read =
-            tokio::time::timeout(BODY_PAUSE, axum::body::to_bytes(request.into_body(), LARGEST_BODY)).await;
-        let bytes = match read {
-            Ok(Ok(bytes)) => bytes,
-            Ok(Err(_)) => {
-                return Err(
-                    Problem::new(ProblemCode::BodyTooLarge).detail(format!("at most {LARGEST_BODY} bytes"))
-                );
-            }
-            Err(_) => return Err(Problem::new(ProblemCode::BodyTooSlow)),
-        };
-        let fault =
-            |error: serde_json::Error| Problem::new(ProblemCode::InvalidRequest).detail(error.to_string());
-        serde_json::from_slice(&bytes).map(Self).map_err(fault)
+        typed(&bytes_of(request).await?).map(Self)
     }
+}
+
+impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for OptionalBody<T> {
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, _state: &S) -> Result<Self, Problem> {
+        let bytes = bytes_of(request).await?;
+        if bytes.is_empty() { Ok(Self(None)) } else { typed(&bytes).map(|body| Self(Some(body))) }
+    }
+}
+
+async fn bytes_of(request: Request) -> Result<Bytes, Problem> {
+    let read =
+        tokio::time::timeout(BODY_PAUSE, axum::body::to_bytes(request.into_body(), LARGEST_BODY)).await;
+    match read {
+        Ok(Ok(bytes)) => Ok(bytes),
+        Ok(Err(_)) => {
+            Err(Problem::new(ProblemCode::BodyTooLarge).detail(format!("at most {LARGEST_BODY} bytes")))
+        }
+        Err(_) => Err(Problem::new(ProblemCode::BodyTooSlow)),
+    }
+}
+
+fn typed<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {
+    let value = document::parse(bytes).map_err(|fault| match fault.code {
+        Code::InvalidNumber => Problem::of_faults(ProblemCode::InvalidRequest, vec![fault]),
+        _ => Problem::of_faults(ProblemCode::InvalidJson, vec![fault]),
+    })?;
+    document::typed(value, "").map_err(|faults| Problem::of_faults(ProblemCode::InvalidRequest, faults))
 }
 
 /// A page of another site can have a browser post text or a form, but not JSON: what is not said to be JSON is

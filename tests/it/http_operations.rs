@@ -80,6 +80,12 @@ fn an_address_or_method_that_is_not_there_is_a_problem_too() {
         assert_eq!(response.status(), 404, "{path}");
     }
     assert_eq!(served.get("/nothing").send().unwrap().json::<Value>().unwrap()["code"], "not_found");
+    // An address that is no text names nothing.
+    for path in ["/v1/jobs/%FF", "/v1/runs/%FF", "/v1/machines/%FF/next", "/v1/queues/%FF/entries"] {
+        let response = served.get(path).send().unwrap();
+        assert_eq!(response.headers()["content-type"], "application/problem+json", "{path}");
+        assert_eq!(response.json::<Value>().unwrap()["code"], "not_found", "{path}");
+    }
     let response = served.put("/v1/jobs").send().unwrap();
     let mut allowed: Vec<&str> = response.headers()["allow"].to_str().unwrap().split(',').collect();
     allowed.sort_unstable();

@@ -98,6 +98,63 @@ fn other_media_types_are_refused() {
     }
 }
 
+/// A body that begins and does not go on: the connection must not be held for it.
+#[test]
+fn a_body_that_does_not_come_is_given_up() {
+    let served = Served::start(&["--workers", "0"]);
+    let id = served.posted(&small_job("x"));
+    let begun = |path: &str| {
+        let mut stream = TcpStream::connect(served.host()).unwrap();
+        let head = format!(
+            "PUT {path} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 20\r\n\r\n{{"
+        );
+        stream.write_all(head.as_bytes()).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        stream
+    };
+    let streams =
+        [format!("/v1/jobs/{id}/cancellation"), "/v1/machines/x/hold".to_owned()].map(|p| begun(&p));
+    for mut stream in streams {
+        let mut answer = [0; 12];
+        stream.read_exact(&mut answer).unwrap();
+        assert_eq!(&answer, b"HTTP/1.1 408");
+    }
+    assert_eq!(served.json(&format!("/v1/jobs/{id}"))["state"], "queued");
+}
+
+/// The small bodies: every fault with its pointer, whichever address it is.
+#[test]
+fn a_small_body_with_a_fault_is_a_problem_that_says_where() {
+    let served = Served::start(&["--workers", "0"]);
+    let id = served.posted(&small_job("x"));
+    let cancellation = format!("/v1/jobs/{id}/cancellation");
+    let hold = "/v1/machines/x/hold";
+    let amendment = "/v1/runs/run_00000000000070008000000000000000/receipt";
+    let endless = format!("{{\"reason\": \"{}\"}}", "x".repeat(70_000));
+    let cases = [
+        (&*cancellation, "{\"reason\"", 400, "invalid_json", Some(("invalid_json", ""))),
+        (&*cancellation, "{\"reason\": 1}", 422, "invalid_request", Some(("wrong_type", "/reason"))),
+        (&*cancellation, "{\"why\": \"x\"}", 422, "invalid_request", Some(("unknown_field", "/why"))),
+        (&*cancellation, &endless, 413, "body_too_large", None),
+        (hold, "nonsense", 400, "invalid_json", Some(("invalid_json", ""))),
+        (hold, "{}", 422, "invalid_request", Some(("missing_field", ""))),
+        (hold, "{\"reason\": 1e400}", 422, "invalid_request", Some(("invalid_number", "/reason"))),
+        (amendment, "{\"fence\": \"1\"}", 422, "invalid_request", Some(("wrong_type", "/fence"))),
+    ];
+    for (path, body, status, code, fault) in cases {
+        let body = body.to_owned();
+        let request = served.put(path).header("content-type", "application/json").body(body.clone());
+        let response = request.send().unwrap();
+        assert_eq!(response.headers()["content-type"], "application/problem+json", "{path} {body:.40}");
+        assert_eq!(response.status(), status, "{path} {body:.40}");
+        let problem: Value = response.json().unwrap();
+        assert_eq!(problem["code"], code, "{problem}");
+        let found = problem["faults"].get(0).map(|found| (text(found, "code"), text(found, "pointer")));
+        assert_eq!(found, fault, "{problem}");
+    }
+    assert_eq!(served.json(&format!("/v1/jobs/{id}"))["state"], "queued");
+}
+
 fn text<'a>(value: &'a Value, field: &str) -> &'a str {
     value[field].as_str().unwrap()
 }

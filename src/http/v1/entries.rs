@@ -1,7 +1,7 @@
 //! Entries: programs that wait in the queues of machines and pools.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
@@ -13,7 +13,7 @@ use super::jobs::page_limit;
 use super::wire::program_address;
 use crate::clock;
 use crate::http::caller::Caller;
-use crate::http::extract::{Body, Query};
+use crate::http::extract::{Body, Path, Query};
 use crate::http::problem::{Answer, Problem, ProblemBody, ProblemCode, of_entry};
 use crate::http::service::Service;
 use crate::job::entry::{Entry, EntryState, MOST_UNITS};

@@ -3,7 +3,6 @@
 use std::time::Duration;
 
 use axum::Json;
-use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -20,7 +19,7 @@ use super::{events, posting};
 use crate::clock;
 use crate::config::MOST_WAIT_S;
 use crate::http::caller::Caller;
-use crate::http::extract::{JobPath, Query};
+use crate::http::extract::{JobPath, OptionalBody, Query};
 use crate::http::problem::{Answer, Problem, ProblemBody, ProblemCode, of_job};
 use crate::http::service::Service;
 use crate::job::id::JobId;
@@ -217,29 +216,25 @@ async fn get_drawing(State(service): State<Service>, path: JobPath) -> Answer<Re
     request_body(content = Option<CancellationRequest>, description = "Why; may be left out"),
     responses(
         (status = 200, description = "The job, cancelled", body = JobBody),
-        (status = 400, description = "The body has a fault", body = ProblemBody, content_type = "application/problem+json"),
+        (status = 400, description = "The body is not JSON", body = ProblemBody, content_type = "application/problem+json"),
         (status = 404, description = "There is no such job", body = ProblemBody, content_type = "application/problem+json"),
-        (status = 409, description = "It has ended", body = ProblemBody, content_type = "application/problem+json")))]
+        (status = 409, description = "It has ended", body = ProblemBody, content_type = "application/problem+json"),
+        (status = 422, description = "The body has a fault", body = ProblemBody, content_type = "application/problem+json")))]
 async fn cancel_job(
     State(service): State<Service>,
     caller: Caller,
     path: JobPath,
-    body: Bytes,
+    OptionalBody(request): OptionalBody<CancellationRequest>,
 ) -> Answer<Json<JobBody>> {
-    let reason = cancellation_reason(&body)?;
+    let reason = cancellation_reason(request)?;
     let job = service.store().cancel(&path.id, &caller.actor, reason, clock::now()).await.map_err(of_job)?;
     Ok(Json(completed(&service, job).await?))
 }
 
-fn cancellation_reason(body: &[u8]) -> Answer<Option<String>> {
-    if body.is_empty() {
-        return Ok(None);
-    }
-    let request: CancellationRequest = serde_json::from_slice(body)
-        .map_err(|error| Problem::new(ProblemCode::InvalidJson).detail(error.to_string()))?;
-    match request.reason {
+fn cancellation_reason(request: Option<CancellationRequest>) -> Answer<Option<String>> {
+    match request.and_then(|request| request.reason) {
         Some(reason) if reason.chars().count() > LONGEST_REASON => {
-            Err(Problem::new(ProblemCode::InvalidJson)
+            Err(Problem::new(ProblemCode::InvalidRequest)
                 .detail(format!("reason has at most {LONGEST_REASON} characters")))
         }
         reason => Ok(reason),

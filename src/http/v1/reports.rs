@@ -2,7 +2,7 @@
 //! fence that it was given, and is a sign of life.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use serde::Deserialize;
 use utoipa::ToSchema;
 use utoipa_axum::router::OpenApiRouter;
@@ -12,7 +12,7 @@ use super::machines::reason;
 use super::runs::{RunBody, own_run};
 use crate::clock;
 use crate::http::caller::Caller;
-use crate::http::extract::Body;
+use crate::http::extract::{Body, Path};
 use crate::http::problem::{Answer, Problem, ProblemBody, ProblemCode, of_run};
 use crate::http::service::Service;
 use crate::job::run::{Ending, How, Material, Outcome, Resolution, Run, Sign};

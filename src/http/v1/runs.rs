@@ -2,7 +2,7 @@
 //! say about them in [`super::reports`].
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::http::HeaderMap;
 use axum::response::Response;
 use serde::{Deserialize, Serialize};
@@ -15,7 +15,7 @@ use super::programs::deliver;
 use super::wire::program_address;
 use crate::clock;
 use crate::http::caller::Caller;
-use crate::http::extract::Query;
+use crate::http::extract::{Path, Query};
 use crate::http::problem::{Answer, Problem, ProblemBody, ProblemCode, of_run};
 use crate::http::service::Service;
 use crate::job::id::RunId;

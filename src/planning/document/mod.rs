@@ -82,12 +82,26 @@ pub fn from_value(mut value: Value) -> Result<JobDocument, Vec<Finding>> {
     Ok(JobDocument { name, references, input })
 }
 
-/// Reads a value that has passed its shape. A fault here means that the shape and the type disagree.
-fn typed<T: for<'a> Deserialize<'a>>(value: Value, at: &str) -> Result<T, Vec<Finding>> {
+/// Reads a value into its type. One that has passed its shape has no fault, unless the shape and the type disagree.
+///
+/// # Errors
+/// The first fault: where it is below `at`, and what.
+pub fn typed<T: for<'a> Deserialize<'a>>(value: Value, at: &str) -> Result<T, Vec<Finding>> {
     serde_path_to_error::deserialize(value).map_err(|error| {
         let at = format!("{at}{}", pointer_of(error.path()));
-        vec![Finding::error(Code::WrongType, at, error.inner().to_string())]
+        let words = error.inner().to_string();
+        vec![Finding::error(misfit(&words), at, words)]
     })
+}
+
+/// The code of a value that does not fit its type, which `serde` tells in words only.
+fn misfit(words: &str) -> Code {
+    let kinds = [
+        ("missing field", Code::MissingField),
+        ("unknown field", Code::UnknownField),
+        ("unknown variant", Code::UnknownValue),
+    ];
+    kinds.into_iter().find(|(start, _)| words.starts_with(start)).map_or(Code::WrongType, |(_, code)| code)
 }
 
 /// Parses JSON text.
