@@ -23,6 +23,17 @@ pub struct Machine {
     pub version: i64,
 }
 
+/// What is changed of a machine; what is left out stays.
+#[derive(Debug, Clone, Default, serde::Serialize)]
+pub struct MachineChange {
+    /// Its new profile, which has the machine's name.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub profile: Option<MachineProfile>,
+    /// Its new pool, or that it has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pool: Option<Option<String>>,
+}
+
 /// Why a machine is given nothing.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Hold {
@@ -124,33 +135,36 @@ impl Store {
         self.machine(&profile.name).await
     }
 
-    /// Changes profile and pool of a machine. Jobs that were posted before keep the profile that they froze.
+    /// Changes profile, pool or both of a machine. Jobs that were posted before keep the profile that they froze.
     ///
     /// # Errors
     /// `NotFound`, `Database`.
     pub async fn change_machine(
         &self,
-        profile: &MachineProfile,
-        pool: Option<&str>,
+        name: &str,
+        change: &MachineChange,
         actor: &str,
         now: Moment,
     ) -> Result<Machine> {
         let mut tx = self.write().await?;
-        let changed =
-            sqlx::query("UPDATE machines SET profile = $2, pool = $3, profile_sha256 = $4, version = version + 1 WHERE name = $1")
-                .bind(&profile.name)
-                .bind(serde_json::to_string(profile)?)
-                .bind(pool)
-        .bind(fingerprint(profile))
-                .execute(&mut *tx)
-                .await?;
+        let changed = sqlx::query(
+            "UPDATE machines SET profile = COALESCE($2, profile), profile_sha256 = COALESCE($3, profile_sha256),
+                                 pool = CASE WHEN $4 THEN $5 ELSE pool END, version = version + 1
+             WHERE name = $1",
+        )
+        .bind(name)
+        .bind(change.profile.as_ref().map(serde_json::to_string).transpose()?)
+        .bind(change.profile.as_ref().map(fingerprint))
+        .bind(change.pool.is_some())
+        .bind(change.pool.as_ref().and_then(Option::as_ref))
+        .execute(&mut *tx)
+        .await?;
         if changed.rows_affected() == 0 {
             return Err(Error::NotFound);
         }
-        let detail = serde_json::json!({"pool": pool, "profile": profile});
-        note(&mut tx, actor, "machine.changed", &profile.name, detail, now).await?;
+        note(&mut tx, actor, "machine.changed", name, serde_json::to_value(change)?, now).await?;
         tx.commit().await?;
-        self.machine(&profile.name).await
+        self.machine(name).await
     }
 
     /// Holds a machine, or takes the hold back: a machine on hold is given nothing new. What it runs goes on.

@@ -110,6 +110,31 @@ fn a_registered_machine_can_be_named_and_a_job_freezes_it() {
 }
 
 #[test]
+fn a_change_of_a_machine_leaves_what_it_does_not_name() {
+    let served = Served::start(&["--workers", "0"]);
+    let registration = json!({"profile": profile("cutter-3"), "pool": "hall-2"});
+    assert_eq!(served.call("POST", "/v1/machines", Some(&registration), None).0, 201);
+    let change = |body: Value| served.call("PATCH", "/v1/machines/cutter-3", Some(&body), None);
+    let mut slower = profile("cutter-3");
+    slower["feed"]["max_speed_mm_s"] = json!(100);
+    let changes = [
+        (json!({"profile": slower}), Some(json!("hall-2"))),
+        (json!({"pool": "hall-3"}), Some(json!("hall-3"))),
+        (json!({"pool": null}), None),
+    ];
+    for (body, pool) in changes {
+        let (status, machine) = change(body.clone());
+        assert_eq!((status, machine.get("pool")), (200, pool.as_ref()), "{body}");
+        assert_eq!(machine["profile"]["feed"]["max_speed_mm_s"], 100.0, "{body}");
+    }
+    for faulty in [json!({"profile": profile("cutter-4")}), json!({"pool": "hall 2"}), json!({"name": "x"})] {
+        assert_eq!(change(faulty.clone()).0, 422, "{faulty}");
+    }
+    let trail = served.get("/v1/audit").send().unwrap().text().unwrap();
+    assert!(trail.lines().last().unwrap().contains(r#""detail":{"pool":null}"#), "{trail}");
+}
+
+#[test]
 fn a_faulty_profile_is_refused_with_every_pointer() {
     let served = Served::start(&[]);
     let mut faulty = profile("cutter-3");

@@ -1,7 +1,7 @@
 //! Machines: their profiles and holds.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -10,15 +10,15 @@ use utoipa_axum::routes;
 
 use crate::clock;
 use crate::http::caller::Caller;
-use crate::http::extract::Body;
+use crate::http::extract::{Body, Path};
 use crate::http::problem::{Answer, Problem, ProblemBody, ProblemCode};
 use crate::http::service::Service;
-use crate::planning::document::shape::Shape;
+use crate::planning::document::{self, shape::Shape};
 use crate::planning::finding::Finding;
 use crate::planning::tape::machine::{Catalogue, check};
 use crate::planning::tape::wire::{MACHINE_PROFILE, MachineProfile};
 use crate::store::Error;
-use crate::store::machines::Machine;
+use crate::store::machines::{Machine, MachineChange};
 
 /// The addresses.
 #[must_use]
@@ -43,6 +43,24 @@ struct MachineRequest {
     profile: serde_json::Value,
     /// A queue that it shares with other machines.
     pool: Option<String>,
+}
+
+/// What is changed of a machine; what is left out stays
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+struct MachineAmendment {
+    /// Its new profile, with the machine's own name.
+    #[schema(value_type = Option<Object>)]
+    profile: Option<serde_json::Value>,
+    /// A queue that it shares with other machines; null if it shares none any more.
+    #[serde(default, deserialize_with = "said")]
+    #[schema(value_type = Option<String>)]
+    pool: Option<Option<String>>,
+}
+
+/// A field that is there is said, be it null.
+fn said<'de, D: serde::Deserializer<'de>>(value: D) -> Result<Option<Option<String>>, D::Error> {
+    Option::deserialize(value).map(Some)
 }
 
 /// Why a machine is held
@@ -152,10 +170,10 @@ async fn get_machine(
     Ok(Json(service.store().machine(&name).await.map_err(of_machine)?.into()))
 }
 
-/// Change a machine's profile and pool
+/// Change a machine's profile, its pool, or both
 ///
-/// Jobs that were posted before keep the profile that they froze.
-#[utoipa::path(patch, path = "/v1/machines/{m}", tag = "shop floor", request_body = MachineRequest,
+/// What is left out stays as it is. Jobs that were posted before keep the profile that they froze.
+#[utoipa::path(patch, path = "/v1/machines/{m}", tag = "shop floor", request_body = MachineAmendment,
     params(("m" = String, Path, description = "The machine")),
     responses(
         (status = 200, description = "The machine", body = MachineBody),
@@ -165,15 +183,10 @@ async fn change_machine(
     State(service): State<Service>,
     caller: Caller,
     Path(name): Path<String>,
-    Body(request): Body<MachineRequest>,
+    Body(request): Body<MachineAmendment>,
 ) -> Answer<Json<MachineBody>> {
-    let (profile, pool) = checked(request)?;
-    if profile.name != name {
-        let detail = format!("the profile is named {}; a machine keeps its name", profile.name);
-        return Err(Problem::new(ProblemCode::InvalidRequest).detail(detail));
-    }
-    let changed =
-        service.store().change_machine(&profile, pool.as_deref(), &caller.actor, clock::now()).await;
+    let change = checked_change(request, &name)?;
+    let changed = service.store().change_machine(&name, &change, &caller.actor, clock::now()).await;
     Ok(Json(changed.map_err(of_machine)?.into()))
 }
 
@@ -235,18 +248,31 @@ pub fn reason(words: &str) -> Answer<&str> {
 }
 
 fn checked(request: MachineRequest) -> Answer<(MachineProfile, Option<String>)> {
+    let profile = checked_profile(request.profile)?;
+    request.pool.as_deref().map_or(Ok(()), refuse_strange_name)?;
+    Ok((profile, request.pool))
+}
+
+fn checked_change(request: MachineAmendment, name: &str) -> Answer<MachineChange> {
+    let profile = request.profile.map(checked_profile).transpose()?;
+    if let Some(other) = profile.as_ref().map(|profile| &profile.name).filter(|other| *other != name) {
+        let detail = format!("the profile is named {other}; a machine keeps its name");
+        return Err(Problem::new(ProblemCode::InvalidRequest).detail(detail));
+    }
+    request.pool.iter().flatten().try_for_each(|pool| refuse_strange_name(pool))?;
+    Ok(MachineChange { profile, pool: request.pool })
+}
+
+fn checked_profile(value: serde_json::Value) -> Answer<MachineProfile> {
     const PROFILE: &Shape = &MACHINE_PROFILE;
-    let faults = PROFILE.faults(&request.profile, "/profile");
+    let faults = PROFILE.faults(&value, "/profile");
     if !faults.is_empty() {
         return Err(faulty(faults));
     }
-    let profile: MachineProfile = serde_json::from_value(request.profile)
-        .map_err(|error| Problem::new(ProblemCode::InvalidRequest).detail(error.to_string()))?;
+    let profile: MachineProfile = document::typed(value, "/profile").map_err(faulty)?;
     check(&profile, "/profile").map_err(faulty)?;
-    for name in std::iter::once(&profile.name).chain(&request.pool) {
-        refuse_strange_name(name)?;
-    }
-    Ok((profile, request.pool))
+    refuse_strange_name(&profile.name)?;
+    Ok(profile)
 }
 
 fn faulty(faults: Vec<Finding>) -> Problem {
