@@ -93,6 +93,9 @@ pub const BODY_PAUSE: Duration = Duration::from_secs(10);
 /// A request's body must have arrived by then, at 1 MB/s for the largest.
 pub const BODY_TIMEOUT: Duration = Duration::from_secs(150);
 
+/// What is sent to a client must be taken by it within this time, some of it at least.
+pub const ANSWER_PAUSE: Duration = Duration::from_secs(30);
+
 /// Requests that are still going on when the service is told to end get so long; the promise is 30 s for all.
 pub const DRAIN: Duration = Duration::from_secs(15);
 

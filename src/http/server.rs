@@ -14,7 +14,7 @@ use hyper_util::service::TowerToHyperService;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
-use crate::config::{Config, DRAIN, HEADER_TIMEOUT};
+use crate::config::{ANSWER_PAUSE, Config, DRAIN, HEADER_TIMEOUT};
 use crate::stopping::Stopping;
 
 /// After an error of `accept`, such as too many open files, it is tried again so much later.
@@ -58,6 +58,9 @@ async fn accept(
 fn serve(stream: TcpStream, place: OwnedSemaphorePermit, router: &Router, graceful: &GracefulShutdown) {
     // Small answers go out at once.
     let _ = stream.set_nodelay(true);
+    // A client that is gone, or does not take its answer, must not hold its place for ever.
+    let pause = u32::try_from(ANSWER_PAUSE.as_millis()).unwrap_or(u32::MAX);
+    let _ = rustix::net::sockopt::set_tcp_user_timeout(&stream, pause);
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEADER_TIMEOUT)

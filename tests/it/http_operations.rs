@@ -7,7 +7,7 @@ use std::process::Command;
 
 use serde_json::{Value, json};
 
-use crate::served::{PATIENCE, Served, command, small_job};
+use crate::served::{PATIENCE, Served, command, id_of, small_job};
 
 #[test]
 fn the_checked_in_document_is_the_one_that_is_served() {
@@ -121,6 +121,20 @@ fn a_connection_whose_header_does_not_come_is_dropped() {
         assert_eq!(error.kind(), std::io::ErrorKind::ConnectionReset);
     }
     assert!(!answer.starts_with(b"HTTP/1.1 200"));
+}
+
+#[test]
+fn a_client_that_does_not_take_its_answer_is_dropped() {
+    let served = Served::start(&["--workers", "0", "--max-connections", "1"]);
+    // More than the buffers of both ends hold.
+    let mut document = small_job("x").to_string().into_bytes();
+    document.resize(32 * 1024 * 1024, b' ');
+    let id = id_of(served.post_bytes(document).send().unwrap());
+    let mut stream = TcpStream::connect(served.host()).unwrap();
+    write!(stream, "GET /v1/jobs/{id}/input HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
+    // The answer has begun, so the connection holds the only place.
+    stream.read_exact(&mut [0; 12]).unwrap();
+    assert_eq!(served.get("/livez").send().unwrap().status(), 200, "the next one has it at last");
 }
 
 #[test]
