@@ -9,3 +9,5 @@ pub mod moves;
 pub mod nc;
 pub mod number;
 pub mod replay;
+pub mod robot_events;
+pub mod robot_moves;

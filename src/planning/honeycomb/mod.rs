@@ -1,0 +1,5 @@
+//! V-shaped cutting of honeycomb with a straight ultrasonic blade on a robot (domain.md Part B).
+//!
+//! `blade` is the geometry of the tool: everything that the papers call theta, beta, alpha, L, d and b.
+
+pub mod blade;
