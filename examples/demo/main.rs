@@ -17,6 +17,7 @@ use base64::prelude::BASE64_STANDARD;
 use bladeplan::planning::attempt::check;
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document;
+use bladeplan::planning::document::files::Files;
 use bladeplan::planning::finding::any_error;
 use bladeplan::planning::outcome::sha256_hex;
 use bladeplan::planning::tape::machine::Catalogue;
@@ -258,7 +259,8 @@ fn replay(request: &[u8], program: &Program) -> Fallible<String> {
     let text = std::str::from_utf8(&program.bytes)?;
     let budget = Budget::unwatched();
     let (figures, findings) =
-        check(&job, &Catalogue::built_in(), &program.name, text, &budget).map_err(words)?;
+        check(&job, &Files::default(), &Catalogue::built_in(), &program.name, text, &budget)
+            .map_err(words)?;
     if any_error(&findings) {
         return Err(format!("the replay found faults: {findings:?}").into());
     }

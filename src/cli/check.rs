@@ -17,7 +17,7 @@ use crate::planning::tape::machine::Catalogue;
 pub struct Arguments {
     /// The program
     program: PathBuf,
-    /// The job that it should carry out
+    /// The job that it should carry out; the files that it names lie in its folder
     #[arg(long, value_name = "JOB.json")]
     job: PathBuf,
 }
@@ -25,8 +25,8 @@ pub struct Arguments {
 /// Replays a program against its job and says what it found.
 #[must_use]
 pub fn run(arguments: &Arguments) -> ExitCode {
-    let document = match read(&arguments.job) {
-        Ok(document) => document,
+    let (document, files) = match read(&arguments.job) {
+        Ok(read) => read,
         Err(code) => return code,
     };
     let text = match std::fs::read(&arguments.program) {
@@ -39,7 +39,7 @@ pub fn run(arguments: &Arguments) -> ExitCode {
     let name =
         arguments.program.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let (replay, findings) =
-        match check(&document, &Catalogue::built_in(), &name, &text, &Budget::unwatched()) {
+        match check(&document, &files, &Catalogue::built_in(), &name, &text, &Budget::unwatched()) {
             Ok(checked) => checked,
             Err(faults) => return refuse(&faults),
         };

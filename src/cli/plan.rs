@@ -19,7 +19,7 @@ const REPORT: &str = "report.json";
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub struct Arguments {
-    /// The job document
+    /// The job document; the files that it names lie in its folder
     job: PathBuf,
     /// The folder for report.json, the programs and the drawings; it is made if need be
     #[arg(long, value_name = "DIR")]
@@ -29,8 +29,8 @@ pub struct Arguments {
 /// Plans a job and writes what came of it.
 #[must_use]
 pub fn run(arguments: &Arguments) -> ExitCode {
-    let document = match read(&arguments.job) {
-        Ok(document) => document,
+    let (document, files) = match read(&arguments.job) {
+        Ok(read) => read,
         Err(code) => {
             eprintln!("nothing was written{}", older_files(&arguments.out));
             return code;
@@ -39,7 +39,7 @@ pub fn run(arguments: &Arguments) -> ExitCode {
     let cancelled = AtomicBool::new(false);
     let say = |stage: &'static str| eprintln!("{stage} ...");
     let budget = Budget::new(DEFAULT_STEPS, &cancelled, &say);
-    let outcome = match plan(&document, &Catalogue::built_in(), &budget) {
+    let outcome = match plan(&document, &files, &Catalogue::built_in(), &budget) {
         Ok(outcome) => outcome,
         Err(faults) => {
             let code = refuse(&faults);

@@ -52,6 +52,8 @@ codes! {
     UnknownMachine,
     /// A file name with a path in it, or of a file that was not sent.
     UnknownFile,
+    /// A file that was sent and that no field of the document names.
+    UnusedFile,
     /// Something that the contract names and this version does not do yet.
     NotSupported,
     // -- The geometry of a ply.

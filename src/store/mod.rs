@@ -12,6 +12,7 @@ pub mod claims;
 pub mod counters;
 pub mod entries;
 pub mod events;
+pub mod files;
 pub mod jobs;
 pub mod keys;
 pub mod lock;

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use bladeplan::planning::attempt::plan;
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document;
+use bladeplan::planning::document::files::Files;
 use bladeplan::planning::outcome::{Outcome, Verdict};
 use bladeplan::planning::program::events::{AXIS_LETTERS, Event, Executed, Positions};
 use bladeplan::planning::program::nc::read::read;
@@ -26,7 +27,8 @@ pub fn cases() -> Vec<PathBuf> {
 /// Plans the job of a golden case.
 pub fn outcome(case: &Path) -> Outcome {
     let job = fs::read(case.join("job.json")).unwrap();
-    plan(&document::read(&job).unwrap(), &Catalogue::built_in(), &Budget::unwatched()).unwrap()
+    plan(&document::read(&job).unwrap(), &Files::default(), &Catalogue::built_in(), &Budget::unwatched())
+        .unwrap()
 }
 
 /// What a knife does between going down and coming up, in (u, v) of its course.
@@ -119,7 +121,7 @@ fn no_piece_of_an_unsymmetric_ply_is_mirrored() {
         "machine": "two-cutter-lab"}}"#;
     let plan = |job: &str| {
         let document = document::read(job.as_bytes()).unwrap();
-        plan(&document, &Catalogue::built_in(), &Budget::unwatched()).unwrap().report
+        plan(&document, &Files::default(), &Catalogue::built_in(), &Budget::unwatched()).unwrap().report
     };
     let lengthwise_v = |report: &Value| -> f64 {
         let cuts = report["courses"][0]["pieces"][0]["cuts"].as_array().unwrap().clone();

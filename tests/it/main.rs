@@ -6,6 +6,7 @@ mod accepted;
 mod cli;
 mod docker;
 mod golden;
+mod http_files;
 mod http_jobs;
 mod http_operations;
 mod http_programs;

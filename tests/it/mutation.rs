@@ -7,6 +7,7 @@ use std::collections::HashMap;
 
 use bladeplan::planning::attempt::check;
 use bladeplan::planning::budget::Budget;
+use bladeplan::planning::document::files::Files;
 use bladeplan::planning::document::{self, JobDocument};
 use bladeplan::planning::finding::{Code, any_error};
 use bladeplan::planning::tape::machine::Catalogue;
@@ -159,7 +160,8 @@ fn every_change_is_said_and_every_other_cut_is_forbidden() {
 /// Checks one change; says whether it changes the cut.
 fn verify(job: &JobDocument, text: &str, changed: &str) -> bool {
     let (figures, findings) =
-        check(job, &Catalogue::built_in(), "roll.ngc", changed, &Budget::unwatched()).unwrap();
+        check(job, &Files::default(), &Catalogue::built_in(), "roll.ngc", changed, &Budget::unwatched())
+            .unwrap();
     let said = findings.iter().any(|finding| finding.code == Code::DiffersFromPlan);
     assert!(said || any_error(&findings), "a change was passed over");
     let before = meaning(text).unwrap();
@@ -176,8 +178,15 @@ fn a_program_as_planned_passes_without_a_word() {
     for case in cases() {
         let Some(program) = outcome(&case).programs.into_iter().next() else { continue };
         let job = document::read(&std::fs::read(case.join("job.json")).unwrap()).unwrap();
-        let (_, findings) =
-            check(&job, &Catalogue::built_in(), &program.name, &program.text, &Budget::unwatched()).unwrap();
+        let (_, findings) = check(
+            &job,
+            &Files::default(),
+            &Catalogue::built_in(),
+            &program.name,
+            &program.text,
+            &Budget::unwatched(),
+        )
+        .unwrap();
         assert!(findings.is_empty(), "{}: {findings:?}", case.display());
     }
 }

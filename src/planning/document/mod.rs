@@ -1,5 +1,6 @@
 //! The job document: text from outside, read once into typed input, every fault with its JSON pointer.
 
+pub mod files;
 pub mod shape;
 
 use std::collections::BTreeMap;
@@ -7,6 +8,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use self::files::NamedFile;
 use self::shape::{Field, Shape, optional, required};
 use super::finding::{Code, Finding};
 use super::tape::wire::{TAPE_CUT, TapeCut};
@@ -21,6 +23,9 @@ pub struct JobDocument {
     /// What is to be planned.
     #[serde(flatten)]
     pub input: JobInput,
+    /// The files that it names, in the order of its fields.
+    #[serde(skip)]
+    pub named_files: Vec<NamedFile>,
 }
 
 /// What is to be planned, by kind.
@@ -72,6 +77,7 @@ pub fn from_value(mut value: Value) -> Result<JobDocument, Vec<Finding>> {
     if !faults.is_empty() {
         return Err(faults);
     }
+    let named_files = JOB.named_files(&value, "");
     let kind = value["kind"].as_str().unwrap_or_default().to_owned();
     let name = typed(value["name"].take(), "/name").map(Option::unwrap_or_default)?;
     let references = typed(value["references"].take(), "/references").map(Option::unwrap_or_default)?;
@@ -79,7 +85,7 @@ pub fn from_value(mut value: Value) -> Result<JobDocument, Vec<Finding>> {
         "tape-cut" => JobInput::TapeCut(typed(value["input"].take(), "/input")?),
         _ => return Err(vec![Finding::error(Code::UnknownValue, "/kind", "this kind of job is not known")]),
     };
-    Ok(JobDocument { name, references, input })
+    Ok(JobDocument { name, references, input, named_files })
 }
 
 /// Reads a value that has passed its shape. A fault here means that the shape and the type disagree.

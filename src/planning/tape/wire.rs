@@ -357,10 +357,9 @@ pub struct Program {
 }
 
 const POINT: Shape = Shape::Triple { limit: LARGEST_MM };
-const FILE_NAME: Shape = Shape::Text { max_chars: 255 };
 const OUTLINE: Shape = Shape::Object(&[
     optional("points", Shape::Array { item: &POINT, min: 0, max: MOST_POINTS }),
-    optional("file", FILE_NAME),
+    optional("file", Shape::FileName),
 ]);
 const TRACK_POINT: Shape = Shape::Object(&[required("position", POINT), required("normal", POINT)]);
 const TRACK: Shape = Shape::Object(&[
