@@ -100,6 +100,8 @@ codes! {
     BudgetSpent,
     /// The job was cancelled.
     Cancelled,
+    /// A path of a milling program that is strange; it was converted all the same.
+    StrangePath,
     // -- A program read back.
     /// A line that the reader does not understand.
     UnreadableProgram,

@@ -78,7 +78,8 @@ fn pair(value: &Value) -> [f64; 2] {
     [value[0].as_f64().unwrap(), value[1].as_f64().unwrap()]
 }
 
-fn compare_text(path: &Path, text: &str) {
+/// Compares a text with the file that holds it, or writes the file if that is wished.
+pub fn compare_text(path: &Path, text: &str) {
     if std::env::var("BLADEPLAN_GOLDEN").is_ok_and(|wish| wish == "write") {
         fs::write(path, text).unwrap();
     }

@@ -5,6 +5,7 @@
 //! `dialect`-free data types, so that a fault of one is seen by the other.
 
 pub mod events;
+pub mod krl;
 pub mod moves;
 pub mod nc;
 pub mod number;
