@@ -32,6 +32,9 @@ pub use parse::statements;
 /// A text that is no program at all gives a fault a line; nobody reads more of them than this.
 const MOST_FAULTS: usize = 50;
 
+/// A run of more statements has no end that anyone waits for. The largest parts take some hundred thousand.
+const MOST_STATEMENTS: usize = 2_000_000;
+
 /// Runs the program whose main file has the name `main`: what the control would do, in order. The `file` of what is
 /// done is an index into `files`.
 ///
@@ -41,7 +44,7 @@ const MOST_FAULTS: usize = 50;
 /// run stops.
 pub fn execute(files: &[ProgramFile], main: &str) -> Result<Vec<RobotExecuted>, Vec<Finding>> {
     let program = Program::of(files)?;
-    run::run(&program, main).map_err(|fault| vec![fault])
+    run::run(&program, main, MOST_STATEMENTS).map_err(|fault| vec![fault])
 }
 
 fn unreadable(name: &str, line: usize, column: usize, message: impl Into<String>) -> Finding {

@@ -12,22 +12,25 @@ use crate::planning::program::robot_events::{RobotEvent, RobotExecuted};
 /// Programs call each other no deeper.
 const DEEPEST: usize = 16;
 
-/// A run of more statements has no end that anyone waits for.
-const MOST_STATEMENTS: usize = 2_000_000;
-
-/// Runs a program.
+/// Runs a program, at most so many of its statements.
 ///
 /// # Errors
 /// The first statement that cannot be carried out.
-pub(super) fn run(program: &Program<'_>, main: &str) -> Result<Vec<RobotExecuted>, Finding> {
+pub(super) fn run(program: &Program<'_>, main: &str, most: usize) -> Result<Vec<RobotExecuted>, Finding> {
     let Some(file) = program.files.iter().position(|file| file.name.eq_ignore_ascii_case(main)) else {
         return Err(unreadable(main, 1, 1, "there is no file of this name"));
     };
     let Some(routine) = program.routines.iter().find(|routine| routine.file == file) else {
         return Err(unreadable(main, 1, 1, "a data list does nothing by itself"));
     };
-    let mut run =
-        Run { program, memory: Memory::default(), machine: Machine::new(), calls: Vec::new(), statements: 0 };
+    let mut run = Run {
+        program,
+        memory: Memory::default(),
+        machine: Machine::new(),
+        calls: Vec::new(),
+        left: most,
+        most,
+    };
     run.load()?;
     run.call(routine)?;
     run.check_waiting()?;
@@ -40,7 +43,9 @@ struct Run<'a> {
     machine: Machine,
     /// The programs that wait for one another, the main one first.
     calls: Vec<&'a Routine>,
-    statements: usize,
+    /// How many statements may still be run, of `most`.
+    left: usize,
+    most: usize,
 }
 
 /// What comes after a statement.
@@ -140,11 +145,12 @@ impl<'a> Run<'a> {
     }
 
     fn count(&mut self, line: &Line<'_>) -> Result<(), Fault> {
-        self.statements += 1;
-        if self.statements <= MOST_STATEMENTS {
-            return Ok(());
+        if self.left == 0 {
+            let message = format!("the program does more than {} things", self.most);
+            return Err(Fault::new(column(line), message));
         }
-        Err(Fault::new(column(line), format!("the program does more than {MOST_STATEMENTS} things")))
+        self.left -= 1;
+        Ok(())
     }
 
     fn dwell(&mut self, spot: Spot, seconds: f64, line: &Line<'_>) -> Result<(), Fault> {

@@ -235,10 +235,10 @@ fn calls_have_an_end() {
     let calls = |n: usize| format!("p{n}()\n").repeat(10);
     let bomb: Vec<_> =
         (0..10).map(|n| (format!("p{n}.src"), format!("DEF p{n}()\n{}END", calls(n + 1)))).collect();
-    let mut bomb: Vec<_> = bomb.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
-    bomb.push(("p10.src", "DEF p10()\nEND"));
-    let bomb = run(&bomb).unwrap_err();
-    assert!(bomb[0].message.contains("2000000"), "{bomb:?}");
+    let mut bomb: Vec<_> = bomb.iter().map(|(name, text)| source(name, text)).collect();
+    bomb.push(source("p10.src", "DEF p10()\nEND"));
+    let bomb = run::run(&Program::of(&bomb).unwrap(), "p0.src", 10_000).unwrap_err();
+    assert!(bomb.message.contains("more than 10000 things"), "{bomb:?}");
 }
 
 #[test]
