@@ -58,3 +58,43 @@ pub const COVERED_SHARE: f64 = 0.985;
 
 /// The foot of a point on its course is found to this distance along the course, in mm: far below any other error.
 pub const FOOT_MM: f64 = 1e-9;
+
+/// How wide a slit in a honeycomb section is, in mm, half of it on either side of the blade's plane (domain.md B3).
+///
+/// Slits of no width leave chips hanging on slivers once a program is rounded. Two slits that should meet miss each
+/// other by what print leaves of two tips (four decimals 0.00014 mm, three 0.0014) and two angles (0.0005 degrees
+/// over a reach of 40 mm: 0.0007). Half a kerf covers that twice over.
+pub const KERF_MM: f64 = 0.01;
+
+/// How far a slit goes on beyond the reach of the blade, in mm.
+///
+/// Arms of the published lattices end exactly where they cross their neighbour's slit. Two lines that print has
+/// moved by 0.0003 mm, four decimals throughout, cross up to 0.0003 / sin(2 alpha) farther on; this covers swings
+/// from one degree.
+pub const SLIT_OVERRUN_MM: f64 = 0.01;
+
+/// A blade that enters the part no deeper than this, in mm, is on its contour.
+///
+/// Three printed decimals move a tip by up to 0.0007 mm; the rest is for its angle.
+pub const GOUGE_MM: f64 = 0.001;
+
+/// A planned tip or arm this close to the contour, in mm, is on it: the rounding of interpolation, far below print.
+pub const CONTOUR_TOUCH_MM: f64 = 1e-9;
+
+/// The largest distance of a surface from the contour is found to this, in mm.
+pub const FARTHEST_MM: f64 = 1e-7;
+
+/// A piece of honeycomb smaller than this, in mm^2, is dust of the slit that cut it off and no chip.
+///
+/// It is what a sliver of a hundredth of a kerf leaves over 0.01 mm.
+pub const SLIVER_MM2: f64 = 1e-6;
+
+/// Stock that hangs together by less than this, in units of 2^-26 mm, is parted: 1.5e-5 mm.
+///
+/// The overlay may move a crossing by a few units; it is a thousandth of a kerf all the same.
+pub const SLIVER_UNITS: i64 = 1 << 10;
+
+/// A corner of stock this close to the border of its tile, in units of 2^-26 mm, lies on it.
+///
+/// The overlay moves a crossing to a corner within one unit, and within a few where many meet.
+pub const TILE_SNAP_UNITS: i64 = 1 << 4;

@@ -19,6 +19,7 @@ mod random_plies;
 mod refused;
 mod restart;
 mod rounds;
+mod section;
 mod served;
 mod shop_floor;
 mod shop_floor_runs;

@@ -3,3 +3,6 @@
 //! `blade` is the geometry of the tool: everything that the papers call theta, beta, alpha, L, d and b.
 
 pub mod blade;
+pub mod lattice;
+pub mod lattice_kind;
+pub mod section;
