@@ -4,23 +4,23 @@
 BLADEPLAN_ROUNDS ?= 20
 
 .DEFAULT_GOAL := help
-.PHONY: help demo serve test prove bench lint openapi linuxcnc
+.PHONY: help demo serve test prove bench lint openapi linuxcnc vim
 
 help: ## Print this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
 		while IFS='|' read -r target says; do printf '  make %-9s %s\n' "$$target" "$$says"; done
 
 demo: ## Post the example ply as an MES would, fetch its program, replay it; all of it in demo-out/
-	cargo build --release --locked --bin bladeplan
+	cargo build --release --locked --bin bladeplan --example demo
 	cargo run --release --locked --example demo
 
 serve: ## Run the service on 127.0.0.1:8080 with ./bladeplan.db
 	cargo run --release --locked -- serve
 
-test: lint linuxcnc ## Lints, then all tests
+test: lint linuxcnc vim ## Lints, then all tests
 	cargo test --locked
 
-prove: linuxcnc ## All tests, the random ones BLADEPLAN_ROUNDS (20) times as long
+prove: linuxcnc vim ## All tests, the random ones BLADEPLAN_ROUNDS (20) times as long
 	BLADEPLAN_ROUNDS=$(BLADEPLAN_ROUNDS) cargo test --locked --profile prove
 
 bench: ## Measure the stages of planning
@@ -37,3 +37,6 @@ openapi: ## Write openapi/v1.json anew from the code
 
 linuxcnc: ## Put LinuxCNC's interpreter under target/linuxcnc, for the tests
 	tests/linuxcnc/prepare
+
+vim: ## Put Vim and its syntax of KRL under target/vim, for the tests
+	tests/vim/prepare

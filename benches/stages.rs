@@ -2,6 +2,7 @@
 
 use bladeplan::planning::attempt::plan;
 use bladeplan::planning::budget::Budget;
+use bladeplan::planning::document::files::Files;
 use bladeplan::planning::document::{self, JobDocument};
 use bladeplan::planning::program::nc::read::read;
 use bladeplan::planning::tape::machine::Catalogue;
@@ -18,8 +19,8 @@ fn job() -> JobDocument {
 }
 
 fn program() -> String {
-    let mut outcome =
-        plan(&job(), &Catalogue::built_in(), &Budget::unwatched()).expect("the example is valid");
+    let mut outcome = plan(&job(), &Files::default(), &Catalogue::built_in(), &Budget::unwatched())
+        .expect("the example is valid");
     outcome.programs.pop().expect("the example can be cut").text
 }
 
@@ -38,7 +39,8 @@ fn read_job() -> JobDocument {
 #[divan::bench]
 fn plan_job(bencher: Bencher) {
     let (job, catalogue) = (job(), Catalogue::built_in());
-    bencher.bench_local(|| plan(&job, &catalogue, &Budget::unwatched()));
+    let files = Files::default();
+    bencher.bench_local(|| plan(&job, &files, &catalogue, &Budget::unwatched()));
 }
 
 #[divan::bench]

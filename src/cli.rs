@@ -2,6 +2,7 @@
 
 pub mod attempt;
 pub mod check;
+pub mod folder;
 pub mod job;
 pub mod key;
 pub mod openapi;

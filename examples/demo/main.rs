@@ -17,7 +17,9 @@ use base64::prelude::BASE64_STANDARD;
 use bladeplan::planning::attempt::check;
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document;
+use bladeplan::planning::document::files::Files;
 use bladeplan::planning::finding::any_error;
+use bladeplan::planning::outcome::ProgramFile;
 use bladeplan::planning::outcome::sha256_hex;
 use bladeplan::planning::tape::machine::Catalogue;
 use reqwest::blocking::{Client, Response};
@@ -255,10 +257,11 @@ fn expect(status: u16, mut response: Response) -> Fallible<Response> {
 fn replay(request: &[u8], program: &Program) -> Fallible<String> {
     let words = |faults: Vec<_>| format!("the job has {} faults", faults.len());
     let job = document::read(request).map_err(words)?;
-    let text = std::str::from_utf8(&program.bytes)?;
-    let budget = Budget::unwatched();
+    let text = std::str::from_utf8(&program.bytes)?.to_owned();
+    let file = ProgramFile { name: program.name.clone(), dialect: "linuxcnc", text };
     let (figures, findings) =
-        check(&job, &Catalogue::built_in(), &program.name, text, &budget).map_err(words)?;
+        check(&job, &Files::default(), &Catalogue::built_in(), &[file], &Budget::unwatched())
+            .map_err(words)?;
     if any_error(&findings) {
         return Err(format!("the replay found faults: {findings:?}").into());
     }

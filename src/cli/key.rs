@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Subcommand};
 
+use super::job::say;
 use crate::clock;
 use crate::http::auth::hash_of;
 use crate::job::id::KeyId;
@@ -62,7 +63,7 @@ pub fn run(arguments: Arguments) -> ExitCode {
     };
     match runtime.block_on(act(arguments)) {
         Ok(words) => {
-            println!("{words}");
+            say(words);
             ExitCode::SUCCESS
         }
         Err(words) => fail(&words),

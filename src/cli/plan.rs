@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use clap::Args;
 
-use super::job::{EXIT_CODES, INVALID, NOT_USABLE, read, refuse};
+use super::job::{EXIT_CODES, INVALID, NOT_USABLE, read, refuse, say};
 use crate::planning::attempt::plan;
 use crate::planning::budget::{Budget, DEFAULT_STEPS};
 use crate::planning::outcome::{Outcome, Verdict};
@@ -19,7 +19,7 @@ const REPORT: &str = "report.json";
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub struct Arguments {
-    /// The job document
+    /// The job document; the files that it names lie in its folder
     job: PathBuf,
     /// The folder for report.json, the programs and the drawings; it is made if need be
     #[arg(long, value_name = "DIR")]
@@ -29,17 +29,17 @@ pub struct Arguments {
 /// Plans a job and writes what came of it.
 #[must_use]
 pub fn run(arguments: &Arguments) -> ExitCode {
-    let document = match read(&arguments.job) {
-        Ok(document) => document,
+    let (document, files) = match read(&arguments.job) {
+        Ok(read) => read,
         Err(code) => {
             eprintln!("nothing was written{}", older_files(&arguments.out));
             return code;
         }
     };
     let cancelled = AtomicBool::new(false);
-    let say = |stage: &'static str| eprintln!("{stage} ...");
-    let budget = Budget::new(DEFAULT_STEPS, &cancelled, &say);
-    let outcome = match plan(&document, &Catalogue::built_in(), &budget) {
+    let on_stage = |stage: &'static str| eprintln!("{stage} ...");
+    let budget = Budget::new(DEFAULT_STEPS, &cancelled, &on_stage);
+    let outcome = match plan(&document, &files, &Catalogue::built_in(), &budget) {
         Ok(outcome) => outcome,
         Err(faults) => {
             let code = refuse(&faults);
@@ -53,6 +53,9 @@ pub fn run(arguments: &Arguments) -> ExitCode {
     }
     for finding in &outcome.findings {
         eprintln!("{finding}");
+    }
+    for line in &outcome.summary {
+        say(line);
     }
     match outcome.verdict {
         Verdict::Usable => ExitCode::SUCCESS,
@@ -78,7 +81,8 @@ fn clear(folder: &Path) -> std::io::Result<()> {
     let Ok(text) = std::fs::read(folder.join(REPORT)) else { return Ok(()) };
     let report: serde_json::Value = serde_json::from_slice(&text).unwrap_or_default();
     let programs = report["programs"].as_array().into_iter().flatten().filter_map(|p| p["name"].as_str());
-    let drawings = report["drawings"].as_array().into_iter().flatten().filter_map(|d| d.as_str());
+    let listed = ["drawings", "attachments"].map(|list| report[list].as_array()).into_iter().flatten();
+    let drawings = listed.flatten().filter_map(|name| name.as_str());
     for name in programs.chain(drawings).chain([REPORT]) {
         // A name with a path in it is not one that was written here.
         let path = folder.join(name);
@@ -95,11 +99,12 @@ fn write(outcome: &Outcome, folder: &Path) -> std::io::Result<()> {
     let report = serde_json::to_string_pretty(&outcome.report)? + "\n";
     let files = std::iter::once((REPORT, report.as_str()))
         .chain(outcome.programs.iter().map(|program| (program.name.as_str(), program.text.as_str())))
-        .chain(outcome.drawings.iter().map(|drawing| (drawing.name.as_str(), drawing.svg.as_str())));
+        .chain(outcome.drawings.iter().map(|drawing| (drawing.name.as_str(), drawing.svg.as_str())))
+        .chain(outcome.attachments.iter().map(|text| (text.name.as_str(), text.text.as_str())));
     for (name, text) in files {
         let path = folder.join(name);
         std::fs::write(&path, text)?;
-        println!("{} {} bytes", path.display(), text.len());
+        say(format_args!("{} {} bytes", path.display(), text.len()));
     }
     Ok(())
 }

@@ -39,6 +39,7 @@ pub const RULES: &[(&str, &str, &[Role])] = &[
     ("GET", "/v1/jobs/{id}", LOOK),
     ("GET", "/v1/jobs/{id}/events", LOOK),
     ("GET", "/v1/jobs/{id}/input", LOOK),
+    ("GET", "/v1/jobs/{id}/files/{name}", LOOK),
     ("GET", "/v1/jobs/{id}/report", LOOK),
     ("GET", "/v1/jobs/{id}/drawings/{name}", LOOK),
     ("PUT", "/v1/jobs/{id}/cancellation", POST),

@@ -7,7 +7,7 @@ use axum::body::Bytes;
 use axum::extract::rejection::QueryRejection;
 use axum::extract::{FromRequest, FromRequestParts, RawPathParams, Request};
 use axum::http::request::Parts;
-use axum::http::{HeaderMap, header};
+use axum::http::{HeaderMap, HeaderValue, header};
 use serde::de::DeserializeOwned;
 
 use super::problem::{Problem, ProblemCode};
@@ -101,8 +101,7 @@ fn typed<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {
 /// # Errors
 /// `UnsupportedMediaType`.
 pub fn refuse_other_media(headers: &HeaderMap) -> Result<(), Problem> {
-    let kind = headers.get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok()).unwrap_or_default();
-    let kind = kind.split(';').next().unwrap_or_default().trim();
+    let kind = media_type(headers);
     if kind.eq_ignore_ascii_case("application/json") {
         return Ok(());
     }
@@ -110,6 +109,37 @@ pub fn refuse_other_media(headers: &HeaderMap) -> Result<(), Problem> {
         "" => "there is no Content-Type".to_owned(),
         other => format!("Content-Type is {other}"),
     }))
+}
+
+/// The Content-Type of a form with files, if the request carries one.
+///
+/// # Errors
+/// `UnsupportedMediaType` if it is neither that nor JSON; `ForeignPage` if a page of another site has a browser send a
+/// form, which it can, unlike JSON. A browser says whose page it shows; whoever sends a key is no such page.
+pub fn form_type(headers: &HeaderMap) -> Result<Option<&HeaderValue>, Problem> {
+    if !media_type(headers).eq_ignore_ascii_case("multipart/form-data") {
+        return refuse_other_media(headers).map(|()| None);
+    }
+    if is_foreign(headers) && !headers.contains_key(header::AUTHORIZATION) {
+        return Err(Problem::new(ProblemCode::ForeignPage));
+    }
+    Ok(headers.get(header::CONTENT_TYPE))
+}
+
+fn media_type(headers: &HeaderMap) -> &str {
+    text(headers, "content-type").split(';').next().unwrap_or_default().trim()
+}
+
+/// Whether the page that sends this is of another origin than the address that it sends it to.
+fn is_foreign(headers: &HeaderMap) -> bool {
+    let (host, site) = (text(headers, "host"), text(headers, "sec-fetch-site"));
+    let elsewhere = |origin: &str| origin.split_once("://").is_none_or(|(_, origin)| origin != host);
+    let origin = headers.contains_key(header::ORIGIN).then(|| text(headers, "origin"));
+    origin.is_some_and(elsewhere) || !["", "same-origin", "none"].contains(&site)
+}
+
+fn text<'a>(headers: &'a HeaderMap, name: &str) -> &'a str {
+    headers.get(name).and_then(|value| value.to_str().ok()).unwrap_or_default()
 }
 
 /// A job id and, where the address has one, a name below it.
@@ -161,4 +191,39 @@ where
     let find = |name| params.iter().find(|(key, _)| *key == name).map_or("", |(_, value)| value);
     let id = find("id").parse().map_err(|error: I::Err| Problem::new(unknown).detail(error.to_string()))?;
     Ok((id, find("name").to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn asked(pairs: &[(&'static str, &'static str)]) -> Result<bool, ProblemCode> {
+        let form = ("content-type", "multipart/form-data; boundary=x");
+        let pairs = [form, ("host", "127.0.0.1:8080")].into_iter().chain(pairs.iter().copied());
+        let headers: HeaderMap =
+            pairs.map(|(name, value)| (name.parse().unwrap(), HeaderValue::from_static(value))).collect();
+        form_type(&headers).map(|kind| kind.is_some()).map_err(|problem| problem.code())
+    }
+
+    #[test]
+    fn a_form_is_taken_from_programs_and_from_pages_of_the_service_itself() {
+        assert_eq!(asked(&[]), Ok(true));
+        assert_eq!(
+            asked(&[("origin", "http://127.0.0.1:8080"), ("sec-fetch-site", "same-origin")]),
+            Ok(true)
+        );
+        let foreign = [
+            ("origin", "http://evil.example"),
+            ("origin", "http://127.0.0.1:9090"),
+            ("origin", "http://127.0.0.1:8080.evil.example"),
+            ("origin", "null"),
+            ("origin", ""),
+            ("sec-fetch-site", "cross-site"),
+            ("sec-fetch-site", "same-site"),
+        ];
+        for pair in foreign {
+            assert_eq!(asked(&[pair]), Err(ProblemCode::ForeignPage), "{pair:?}");
+            assert_eq!(asked(&[pair, ("authorization", "Bearer x")]), Ok(true), "{pair:?}");
+        }
+    }
 }

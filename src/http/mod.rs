@@ -3,6 +3,7 @@
 pub mod auth;
 pub mod caller;
 pub mod extract;
+pub mod form;
 pub mod intake;
 pub mod openapi;
 pub mod operations;

@@ -7,6 +7,7 @@ use utoipa::OpenApi;
 
 use super::router;
 use crate::planning::document::JOB;
+use crate::planning::document::files::MOST_FILES;
 
 #[derive(OpenApi)]
 #[openapi(
@@ -36,7 +37,9 @@ static TEXT: LazyLock<String> = LazyLock::new(|| {
     value["components"]["securitySchemes"]["key"] = json!({"type": "http", "scheme": "bearer",
         "description": "A key that bladeplan key create has printed. Without any keys, the service on loopback asks for none."});
     value["security"] = json!([{"key": []}, {}]);
-    value["paths"]["/v1/jobs"]["post"]["requestBody"]["required"] = json!(true);
+    let body = &mut value["paths"]["/v1/jobs"]["post"]["requestBody"];
+    body["required"] = json!(true);
+    body["content"]["multipart/form-data"] = form();
     let mut text = serde_json::to_string_pretty(&value).expect("a JSON value can be written");
     text.push('\n');
     text
@@ -46,6 +49,18 @@ static TEXT: LazyLock<String> = LazyLock::new(|| {
 #[must_use]
 pub fn text() -> &'static str {
     &TEXT
+}
+
+/// A job with its files.
+fn form() -> Value {
+    let file = json!({"type": "string", "contentMediaType": "application/octet-stream", "description":
+        "A file. Its file name, or the part's name if it has none, is the name by which the document knows it."});
+    json!({
+        "schema": {"type": "object", "required": ["job"],
+            "properties": {"job": {"$ref": format!("#/components/schemas/{JOB_DOCUMENT}")}},
+            "additionalProperties": file, "maxProperties": MOST_FILES + 1},
+        "encoding": {"job": {"contentType": "application/json"}}
+    })
 }
 
 fn job_document() -> Value {

@@ -64,7 +64,11 @@ problems! {
     /// A header of the request has a fault.
     InvalidHeader = BAD_REQUEST, false, "Correct the header that is named.";
     /// The media type of the body is not one that is read here.
-    UnsupportedMediaType = UNSUPPORTED_MEDIA_TYPE, false, "Send the body with Content-Type: application/json.";
+    UnsupportedMediaType = UNSUPPORTED_MEDIA_TYPE, false, "Send the body with Content-Type: application/json; a job with files as multipart/form-data.";
+    /// The form is not one of a job and its files.
+    InvalidMultipart = BAD_REQUEST, false, "Send one part named job as application/json, and each file as a part of its own with a plain name.";
+    /// A page of another site has had a browser send this form.
+    ForeignPage = FORBIDDEN, false, "Send the form from a program, or from a page of this service.";
     /// The body is larger than the service takes.
     BodyTooLarge = PAYLOAD_TOO_LARGE, false, "Thin out the points or split the ply; or ask the operator to raise --max-body-mib.";
     /// The body did not arrive in time.
@@ -81,8 +85,8 @@ problems! {
     JobNotFound = NOT_FOUND, false, "Check the id; GET /v1/jobs lists the jobs.";
     /// There is no such program.
     ProgramNotFound = NOT_FOUND, false, "Check the id; GET /v1/programs lists the programs.";
-    /// The program has no file of that name.
-    FileNotFound = NOT_FOUND, false, "Check the name; the program lists its files.";
+    /// There is no file of that name.
+    FileNotFound = NOT_FOUND, false, "Check the name; the job or the program lists its files.";
     /// The job has no drawing of that name.
     DrawingNotFound = NOT_FOUND, false, "Check the name; the job lists its drawings.";
     /// The job has no report yet.
@@ -112,9 +116,11 @@ problems! {
     /// There is no such run.
     RunNotFound = NOT_FOUND, false, "Check the id; GET /v1/runs lists the runs.";
     /// The program is not approved.
-    ProgramNotApproved = CONFLICT, false, "An approver approves it with PUT /v1/programs/{id}/approval.";
+    ProgramNotApproved = CONFLICT, false, "A draft is approved with PUT /v1/programs/{id}/approval; in place of a revoked program, post its job anew.";
     /// The program was planned for another profile than the machine has.
     ProfileMismatch = CONFLICT, false, "Plan the job for this machine: name it in the job and post it again.";
+    /// The program was planned for no machine.
+    NoMachineChecked = CONFLICT, false, "Plan the job again with its machine or cell: only then its limits are checked.";
     /// The hash that was sent is not that of the program.
     HashMismatch = CONFLICT, false, "Look at the program again: fetch it, compute its SHA-256, and name that.";
     /// The state does not admit this.
@@ -332,6 +338,7 @@ impl From<store::Error> for Problem {
             store::Error::NotApproved { state } => of_unapproved(&state),
             store::Error::OtherProfile => Self::new(ProblemCode::ProfileMismatch),
             store::Error::OtherHash => Self::new(ProblemCode::HashMismatch),
+            store::Error::ForNoMachine => Self::new(ProblemCode::NoMachineChecked),
             store::Error::Standing(not) => Self::new(ProblemCode::IllegalState).detail(not.to_string()),
             store::Error::KeyReused => Self::new(ProblemCode::IdempotencyKeyReused),
             store::Error::QueueFull { waiting } => {

@@ -52,6 +52,8 @@ codes! {
     UnknownMachine,
     /// A file name with a path in it, or of a file that was not sent.
     UnknownFile,
+    /// A file that was sent and that no field of the document names.
+    UnusedFile,
     /// Something that the contract names and this version does not do yet.
     NotSupported,
     // -- The geometry of a ply.
@@ -89,6 +91,11 @@ codes! {
     OffMould,
     /// A course that bends the tape within its own plane.
     Steered,
+    // -- The contour of a core.
+    /// A contour that does not go from one side of the blank to the other.
+    ProfileSpan,
+    /// A contour whose x falls.
+    ProfileFalls,
     // -- Planning.
     /// More cuts at one place of the roll than there are knives.
     TooManyKnives,
@@ -119,6 +126,34 @@ codes! {
     BladeAngle,
     /// A knife is moved, dropped or left in a way that is not safe.
     KnifeState,
+    /// A tool or base frame that is not the cell's.
+    WrongFrame,
+    /// A blade that turns within the blank.
+    TurnInBlank,
+    /// A motion through material that is no cut.
+    ThroughStock,
+    /// The finished part is cut into.
+    Gouge,
+    /// A chip that no cut has freed.
+    StuckChip,
+    /// The cut surface lies farther from the contour than it may.
+    ScallopExceeded,
+    /// No layer spacing, step and swing angle lie within all limits.
+    NoParameters,
+    /// A path of a milling program that is strange; it was converted all the same.
+    StrangePath,
+    /// A published lattice that was looked at and not taken.
+    LatticePassedOver,
+    /// A cut of the program that the lattice does not reach with the blade.
+    EdgeInStock,
+    /// The robot does not follow: a joint limit, a joint speed, or a pose out of reach.
+    RobotFault,
+    /// No robot cell was given; whether a robot can follow is not known.
+    RobotNotChecked,
+    /// The program runs slower than was asked for, so that the robot can follow.
+    SlowedForRobot,
+    /// The robot passes near a singularity.
+    NearSingularity,
     /// The program text differs from the one that planning this job gives.
     DiffersFromPlan,
     /// The program has no proper end.

@@ -1,6 +1,6 @@
 //! What a planning attempt gives back: a report, programs and drawings.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::finding::{Finding, any_error};
@@ -9,7 +9,7 @@ use super::finding::{Finding, any_error};
 pub const PLANNER_VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Whether a job gave a program that may be approved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// It did.
@@ -38,6 +38,15 @@ pub struct Drawing {
     pub svg: String,
 }
 
+/// A text that goes with a report: curves as CSV, a path for a CAM system.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Attachment {
+    /// File name, made from content only.
+    pub name: String,
+    /// 7-bit ASCII.
+    pub text: String,
+}
+
 /// Everything that a planning attempt gives back. The report is complete; a program stands here only if its
 /// replay has passed and the verdict is `usable`.
 #[derive(Debug, Clone)]
@@ -48,10 +57,14 @@ pub struct Outcome {
     pub programs: Vec<ProgramFile>,
     /// The drawings.
     pub drawings: Vec<Drawing>,
+    /// Texts that go with the report. None of them is for a machine.
+    pub attachments: Vec<Attachment>,
     /// All findings.
     pub findings: Vec<Finding>,
     /// `report.json` (jobs.md). The shell may add `stages`; nothing else changes after this.
     pub report: serde_json::Value,
+    /// The figures that a person wants first, a line each; none where the report says all.
+    pub summary: Vec<String>,
 }
 
 /// A program as a report names it.
@@ -94,6 +107,48 @@ impl Outcome {
         body: Option<B>,
     ) -> Self {
         let usable = !any_error(&findings) && !programs.is_empty();
+        Self::with_verdict(usable, kind, input_sha256, findings, programs, drawings, body)
+    }
+
+    /// The outcome of a job that asks for figures and no program: usable unless a finding is an error.
+    ///
+    /// # Panics
+    /// As [`Outcome::new`].
+    #[must_use]
+    pub fn of_figures<B: Serialize>(
+        kind: &str,
+        input_sha256: &str,
+        findings: Vec<Finding>,
+        drawings: Vec<Drawing>,
+        body: B,
+    ) -> Self {
+        let usable = !any_error(&findings);
+        Self::with_verdict(usable, kind, input_sha256, findings, Vec::new(), drawings, Some(body))
+    }
+
+    /// The same with texts that go with the report, which names them.
+    #[must_use]
+    pub fn with_attachments(mut self, attachments: Vec<Attachment>) -> Self {
+        let names: Vec<&str> = attachments.iter().map(|attachment| attachment.name.as_str()).collect();
+        self.report["attachments"] = serde_json::json!(names);
+        Self { attachments, ..self }
+    }
+
+    /// The same with the figures that a person wants first.
+    #[must_use]
+    pub fn with_summary(self, summary: Vec<String>) -> Self {
+        Self { summary, ..self }
+    }
+
+    fn with_verdict<B: Serialize>(
+        usable: bool,
+        kind: &str,
+        input_sha256: &str,
+        findings: Vec<Finding>,
+        programs: Vec<ProgramFile>,
+        drawings: Vec<Drawing>,
+        body: Option<B>,
+    ) -> Self {
         let programs = if usable { programs } else { Vec::new() };
         let verdict = if usable { Verdict::Usable } else { Verdict::NotUsable };
         let report = serde_json::to_value(Report {
@@ -107,7 +162,8 @@ impl Outcome {
             body,
         })
         .expect("a report holds nothing but numbers, texts and lists of them");
-        Self { verdict, programs, drawings, findings, report }
+        let (attachments, summary) = (Vec::new(), Vec::new());
+        Self { verdict, programs, drawings, attachments, findings, report, summary }
     }
 }
 

@@ -62,3 +62,119 @@ pub const COVERED_SHARE: f64 = 0.985;
 
 /// The foot of a point on its course is found to this distance along the course, in mm: far below any other error.
 pub const FOOT_MM: f64 = 1e-9;
+
+/// Two places of a robot program closer than this, in mm, are one place.
+///
+/// Four decimals round each of three coordinates by at most 0.00005; a difference of two by 0.00018. The rest is
+/// room for the foreign programs that print three decimals.
+pub const PRINTED_MM: f64 = 0.001;
+
+/// Two postures of a robot program closer than this, in degrees, are one posture.
+///
+/// Four decimals round each of three angles by at most 0.00005; the rest as of [`PRINTED_MM`].
+pub const PRINTED_DEG: f64 = 0.001;
+
+/// How far a blade may lie out of the plane of its cut, or its swing from the planned one, in degrees.
+///
+/// It is what printed angles leave after three turns; over a blade of 50 mm it is 0.005 mm.
+pub const BLADE_PLANE_DEG: f64 = 0.005;
+
+/// A programmed speed may exceed its limit by this factor: half of the last printed digit (0.001 mm/s) at 5 mm/s.
+pub const SPEED_RATIO: f64 = 1.0 + 1e-4;
+
+/// Nearer to a singularity than this, in degrees, a program is still run but said to be near one: a base that was
+/// measured a few millimetres off would change the speed of the wrist noticeably.
+pub const SINGULAR_WARNING_DEG: f64 = 5.0;
+
+/// How wide a slit in a honeycomb section is, in mm, half of it on either side of the blade's plane (domain.md B3).
+///
+/// Slits of no width leave chips hanging on slivers once a program is rounded. Two slits that should meet miss each
+/// other by what print leaves of two tips (four decimals 0.00014 mm, three 0.0014) and two angles (0.0005 degrees
+/// over a reach of 40 mm: 0.0007). Half a kerf covers that twice over.
+pub const KERF_MM: f64 = 0.01;
+
+/// How far a slit goes on beyond the reach of the blade, in mm.
+///
+/// Arms of the published lattices end exactly where they cross their neighbour's slit. Two lines that print has
+/// moved by 0.0003 mm, four decimals throughout, cross up to 0.0003 / sin(2 alpha) farther on; this covers swings
+/// from one degree.
+pub const SLIT_OVERRUN_MM: f64 = 0.01;
+
+/// A blade that enters the part no deeper than this, in mm, is on its contour.
+///
+/// Three printed decimals move a tip by up to 0.0007 mm; the rest is for its angle.
+pub const GOUGE_MM: f64 = 0.001;
+
+/// A planned tip or arm this close to the contour, in mm, is on it: the rounding of interpolation, far below print.
+pub const CONTOUR_TOUCH_MM: f64 = 1e-9;
+
+/// The largest distance of a surface from the contour is found to this, in mm.
+pub const FARTHEST_MM: f64 = 1e-7;
+
+/// A piece of honeycomb smaller than this, in mm^2, is dust of the slit that cut it off and no chip.
+///
+/// It is what a sliver of a hundredth of a kerf leaves over 0.01 mm.
+pub const SLIVER_MM2: f64 = 1e-6;
+
+/// Stock that hangs together by less than this, in units of 2^-26 mm, is parted: 1.5e-5 mm.
+///
+/// The overlay may move a crossing by a few units; it is a thousandth of a kerf all the same.
+pub const SLIVER_UNITS: i64 = 1 << 10;
+
+/// A corner of stock this close to the border of its tile, in units of 2^-26 mm, lies on it.
+///
+/// The overlay moves a crossing to a corner within one unit, and within a few where many meet.
+pub const TILE_SNAP_UNITS: i64 = 1 << 4;
+
+/// Sine of axis 5 below which axis 4 of a straight wrist has no angle of its own.
+///
+/// Turning axis 4 as one likes then turns the flange's axes by no more than this, in rad: a hundredth of a
+/// micrometre in 10 m.
+pub const WRIST_POLE_SINE: f64 = 1e-12;
+
+/// A path that comes this near to a singularity, in degrees, cannot be followed through it.
+///
+/// An axis would have to turn 3,000 times as fast as the tool, and on which branch the arm leaves is chance.
+pub const SINGULAR_DEG: f64 = 0.02;
+
+/// No joint moves by more than this, in degrees, between two instants at which a path is looked at.
+///
+/// It is a bound that holds for the worst of directions; what joints really move is about half of it. Where a rate
+/// peaks, as axis 4 does at a near wrist singularity, it falls with the squared cosine of the axis' own way; the peak
+/// is thus missed by 1 - cos^2(5 deg / 2) = 0.2 % at the very most.
+pub const JOINT_STEP_DEG: f64 = 5.0;
+
+/// Near its limit no joint moves by more than this, in degrees, between two instants at which a path is looked at;
+/// so it cannot be beyond it unseen by more than half of this.
+pub const LIMIT_STEP_DEG: f64 = 0.2;
+
+/// Between the samples of a joint curve straight lines miss the joints by no more than this, in degrees: less than
+/// the width of a line in a drawing.
+pub const JOINT_CURVE_DEG: f64 = 0.1;
+
+/// A turn this near to 180 degrees, in degrees, may go either way round: printed angles of both ends may decide it.
+pub const HALF_TURN_DEG: f64 = 0.01;
+
+/// How far from where the arm is a straight move may begin, in mm.
+///
+/// Axis values printed with three decimals put a tool 4 m away by 0.035 mm off per axis at worst.
+pub const PATH_GAP_MM: f64 = 0.05;
+
+/// How far from the tool's orientation a straight move may begin, in degrees; as [`PATH_GAP_MM`].
+pub const PATH_GAP_DEG: f64 = 0.01;
+
+/// A joint may be beyond its limit by this, in degrees, or its speed by this ratio: what computing adds to a joint
+/// that stands at its limit, and far below the last printed digit.
+pub const JOINT_SLACK: f64 = 1e-9;
+
+/// A limit of the published honeycomb model is kept up to this share beyond it: angles that come in degrees and
+/// steps that equal 2 h tan(alpha) round by 1e-15, and no job is printed with more than nine digits.
+pub const MODEL_LIMIT: f64 = 1e-9;
+
+/// A shortest time is proved to this share of it: a hundredth of what is promised (1e-6), and a hundred times what
+/// the interior point method leaves.
+pub const OPTIMUM_GAP: f64 = 1e-8;
+
+/// A limit holds the optimum of the published model if it has at least this
+/// multiplier, d ln T / d ln limit. What the barrier leaves on the others is below 1e-10.
+pub const ACTIVE_MULTIPLIER: f64 = 1e-7;

@@ -11,7 +11,7 @@ impl Store {
     /// hash changes nothing.
     ///
     /// # Errors
-    /// `NotFound`, `OtherHash`, `Standing` if its state does not admit it, `Damaged` if its bytes do not fit
+    /// `NotFound`, `OtherHash`, `ForNoMachine` if it was planned for none, `Standing` if its state does not admit it, `Damaged` if its bytes do not fit
     /// their hash any more (it is quarantined then), `Database`.
     pub async fn approve(&self, id: &ProgramId, sha256: &str, actor: &str, now: Moment) -> Result<()> {
         let program = self.program(id).await?;
@@ -21,6 +21,7 @@ impl Store {
         self.program_content(&program, now).await?;
         let mut tx = self.write().await?;
         let before = standing(&mut tx, id).await?;
+        refuse_without_machine(&mut tx, id).await?;
         let after = before.approve()?;
         if after != before {
             set(&mut tx, id, after).await?;
@@ -70,6 +71,15 @@ async fn standing(tx: &mut Writing, id: &ProgramId) -> Result<Standing> {
         .await?;
     let (word,) = row.ok_or(Error::NotFound)?;
     Standing::of(&word).ok_or(Error::NotFound)
+}
+
+/// A program that was planned for no machine has not been held against its limits either.
+async fn refuse_without_machine(tx: &mut Writing, id: &ProgramId) -> Result<()> {
+    let (profile,): (Option<String>,) = sqlx::query_as("SELECT profile_sha256 FROM programs WHERE id = $1")
+        .bind(id.as_str())
+        .fetch_one(&mut **tx)
+        .await?;
+    if profile.is_some() { Ok(()) } else { Err(Error::ForNoMachine) }
 }
 
 async fn set(tx: &mut Writing, id: &ProgramId, standing: Standing) -> Result<()> {

@@ -6,18 +6,22 @@ use sqlx::Row;
 
 use super::audit::{self, Deed};
 use super::events::note_stage;
+use super::files::files;
 use super::jobs::{close_attempt, find, input, record, save};
 use super::results::{Answer, insert_answer};
 use super::{Result, Store, Writing};
 use crate::job::id::{JobId, ProgramId, WorkerId};
 use crate::job::life::{Failure, Illegal, Job};
 use crate::job::moment::Moment;
+use crate::planning::document::files::Files;
 
 /// What an attempt plans, frozen when the job was posted.
 #[derive(Debug, Clone)]
 pub struct AttemptInput {
     /// The document, byte for byte.
     pub body: Arc<Vec<u8>>,
+    /// The files that came with it.
+    pub files: Arc<Files>,
     /// The registered profiles that the document names: a JSON array.
     pub machines: String,
 }
@@ -65,11 +69,12 @@ impl Store {
     /// What an attempt of this job plans.
     ///
     /// # Errors
-    /// `Damaged` if the stored document does not fit its hash any more, `Database`.
+    /// `Damaged` if the stored document or its files do not fit their hash any more, `Database`.
     pub async fn attempt_input(&self, id: &JobId) -> Result<AttemptInput> {
         let mut reader = self.readers.acquire().await?;
         let (body, machines) = input(&mut reader, id).await?;
-        Ok(AttemptInput { body: Arc::new(body), machines })
+        let files = files(&mut reader, id).await?;
+        Ok(AttemptInput { body: Arc::new(body), files: Arc::new(files), machines })
     }
 
     /// Says that an attempt goes on. False: it is not the job's current one any more.
@@ -124,7 +129,8 @@ impl Store {
         let mut tx = self.write().await?;
         let before = find(&mut tx, id).await?;
         let program = answer.program.as_ref().map(|program| program.id.clone());
-        let job = before.clone().succeed(fence, program.clone(), answer.stages.clone(), now)?;
+        let job =
+            before.clone().succeed(fence, answer.usable, program.clone(), answer.stages.clone(), now)?;
         insert_answer(&mut tx, &job, answer, now).await?;
         for (stage, at) in reached {
             note_stage(&mut tx, &job, stage, *at).await?;

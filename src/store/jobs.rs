@@ -6,10 +6,12 @@ use sqlx::sqlite::SqliteConnection;
 
 use super::audit::{self, Deed};
 use super::events::{describe, note_state};
+use super::files::{files_sha256, insert_files};
 use super::{Error, Result, Store, Writing};
 use crate::job::id::JobId;
 use crate::job::life::{Job, NewJob, State};
 use crate::job::moment::Moment;
+use crate::planning::document::files::Files;
 use crate::planning::outcome::sha256_hex;
 
 /// What is posted.
@@ -19,6 +21,8 @@ pub struct Post<'a> {
     pub job: NewJob,
     /// The document, byte for byte.
     pub body: &'a [u8],
+    /// The files that came with it.
+    pub files: &'a Files,
     /// The registered machine profiles that the document names, as they stand now: a JSON array.
     pub machines: &'a str,
     /// The sender's idempotency key.
@@ -93,10 +97,10 @@ impl Store {
     /// # Errors
     /// `KeyReused`, `QueueFull`, `Database`.
     pub async fn post(&self, post: Post<'_>) -> Result<Posted> {
-        let body_sha256 = sha256_hex(post.body);
+        let set_sha256 = set_sha256(post.body, post.files);
         let mut tx = self.write().await?;
         if let Some(key) = post.key
-            && let Some(job) = keyed(&mut tx, post.actor, key, &body_sha256).await?
+            && let Some(job) = keyed(&mut tx, post.actor, key, &set_sha256).await?
         {
             return Ok(Posted { job, replayed: true });
         }
@@ -104,9 +108,10 @@ impl Store {
         let job = Job::queue(post.job.clone(), post.now);
         insert(&mut tx, &job).await?;
         insert_references(&mut tx, &job).await?;
-        insert_input(&mut tx, &job.id, &post, &body_sha256).await?;
+        insert_input(&mut tx, &job.id, &post).await?;
+        insert_files(&mut tx, &job.id, post.files).await?;
         if let Some(key) = post.key {
-            insert_key(&mut tx, &post, key, &body_sha256).await?;
+            insert_key(&mut tx, &post, key, &set_sha256).await?;
         }
         record(&mut tx, &job, post.actor, post.now).await?;
         tx.commit().await?;
@@ -114,13 +119,19 @@ impl Store {
         Ok(Posted { job, replayed: false })
     }
 
-    /// The job that this sender has posted with this key and body, if there is one.
+    /// The job that this sender has posted with this key, body and files, if there is one.
     ///
     /// # Errors
     /// `KeyReused`, `Database`.
-    pub async fn posted_before(&self, actor: &str, key: &str, body: &[u8]) -> Result<Option<Job>> {
+    pub async fn posted_before(
+        &self,
+        actor: &str,
+        key: &str,
+        body: &[u8],
+        files: &Files,
+    ) -> Result<Option<Job>> {
         let mut reader = self.readers.acquire().await?;
-        keyed(&mut reader, actor, key, &sha256_hex(body)).await
+        keyed(&mut reader, actor, key, &set_sha256(body, files)).await
     }
 
     /// A job.
@@ -261,11 +272,21 @@ pub(super) async fn close_attempt(tx: &mut Writing, before: &Job, ending: &str, 
     Ok(())
 }
 
+/// What a repeated post must have in common with the first: the document byte for byte, and the names and bytes of
+/// all files, in whatever order or wrapping they came. Without files it is the hash of the document.
+fn set_sha256(body: &[u8], files: &Files) -> String {
+    let body_sha256 = sha256_hex(body);
+    if files.is_empty() {
+        return body_sha256;
+    }
+    sha256_hex(format!("{body_sha256}\n{}", files.listing()).as_bytes())
+}
+
 async fn keyed(
     connection: &mut SqliteConnection,
     actor: &str,
     key: &str,
-    body_sha256: &str,
+    set_sha256: &str,
 ) -> Result<Option<Job>> {
     let row: Option<(String, String)> =
         sqlx::query_as("SELECT body_sha256, job_id FROM idempotency_keys WHERE actor = $1 AND name = $2")
@@ -275,7 +296,7 @@ async fn keyed(
             .await?;
     match row {
         None => Ok(None),
-        Some((stored, _)) if stored != body_sha256 => Err(Error::KeyReused),
+        Some((stored, _)) if stored != set_sha256 => Err(Error::KeyReused),
         Some((_, job)) => Ok(Some(find(connection, &job.parse()?).await?)),
     }
 }
@@ -326,15 +347,19 @@ async fn insert_references(tx: &mut Writing, job: &Job) -> Result<()> {
     Ok(())
 }
 
-async fn insert_input(tx: &mut Writing, id: &JobId, post: &Post<'_>, sha256: &str) -> Result<()> {
-    sqlx::query("INSERT INTO job_inputs (job_id, sha256, bytes, machines, body) VALUES ($1, $2, $3, $4, $5)")
-        .bind(id.as_str())
-        .bind(sha256)
-        .bind(i64::try_from(post.body.len()).unwrap_or(i64::MAX))
-        .bind(post.machines)
-        .bind(post.body)
-        .execute(&mut **tx)
-        .await?;
+async fn insert_input(tx: &mut Writing, id: &JobId, post: &Post<'_>) -> Result<()> {
+    sqlx::query(
+        "INSERT INTO job_inputs (job_id, sha256, bytes, machines, body, files_sha256)
+         VALUES ($1, $2, $3, $4, $5, $6)",
+    )
+    .bind(id.as_str())
+    .bind(sha256_hex(post.body))
+    .bind(i64::try_from(post.body.len()).unwrap_or(i64::MAX))
+    .bind(post.machines)
+    .bind(post.body)
+    .bind(files_sha256(post.files))
+    .execute(&mut **tx)
+    .await?;
     Ok(())
 }
 

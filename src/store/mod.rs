@@ -12,6 +12,7 @@ pub mod claims;
 pub mod counters;
 pub mod entries;
 pub mod events;
+pub mod files;
 pub mod jobs;
 pub mod keys;
 pub mod lock;
@@ -51,6 +52,9 @@ pub enum Error {
     /// The hash that was named is not that of the program.
     #[error("the hash that was named is not that of the program")]
     OtherHash,
+    /// The program was planned for no machine, so nothing was held against a machine's limits.
+    #[error("the program was planned for no machine")]
+    ForNoMachine,
     /// The life cycle does not admit it.
     #[error(transparent)]
     Illegal(#[from] Illegal),

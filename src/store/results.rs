@@ -12,6 +12,8 @@ use crate::planning::outcome::sha256_hex;
 pub struct Answer {
     /// The bytes of `report.json`.
     pub report: Vec<u8>,
+    /// Its verdict.
+    pub usable: bool,
     /// The drawings.
     pub drawings: Vec<NewDrawing>,
     /// The program, if the verdict is usable.

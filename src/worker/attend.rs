@@ -113,7 +113,8 @@ impl Worker {
                 }
             }
             Last::Faults(findings) => {
-                let detail = "the document turned out to be invalid when it was planned".to_owned();
+                let detail = "the document or one of its files turned out to be invalid when it was planned"
+                    .to_owned();
                 self.fail(job, FailureCode::InvalidInput, detail, findings).await
             }
             Last::TooLarge => {

@@ -1,8 +1,7 @@
-//! Checking a document before it is taken in, in a child like any attempt: the service itself never takes a
-//! document of a sender's apart.
+//! Checking a document and its files before they are taken in, in a child like any attempt: the service itself never
+//! takes a document of a sender's apart.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
@@ -40,13 +39,13 @@ pub enum Checked {
     Undecided,
 }
 
-/// Checks a document.
+/// Checks a document and whether its files are those that it names.
 ///
 /// # Errors
 /// If the system starts no process.
-pub async fn check(config: &Config, body: Arc<Vec<u8>>, machines: String) -> std::io::Result<Checked> {
+pub async fn check(config: &Config, input: AttemptInput) -> std::io::Result<Checked> {
     let until = Instant::now() + TIME;
-    let mut planner = Planner::start(config, Task::Check, AttemptInput { body, machines })?;
+    let mut planner = Planner::start(config, Task::Check, input)?;
     loop {
         match timeout_at(until, planner.hear()).await {
             Ok(Heard::Stage(..)) => {}

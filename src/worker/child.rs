@@ -3,16 +3,17 @@
 //! A panic, an abort or a signal ends this process and nothing else. The child holds no connection, no key and no
 //! file but its three standard streams.
 
-use std::io::{self, BufWriter, Read, Write};
+use std::io::{self, BufRead, BufWriter, Read, Write};
 use std::time::Instant;
 
 use rustix::process::{Pid, Resource, Rlimit, Signal};
 
 use super::checking::Label;
-use super::protocol::{Message, Part, Role};
+use super::protocol::{Lengths, Message, Part, Role};
 use crate::planning::attempt::{plan, validate};
 use crate::planning::budget::{Budget, DEFAULT_STEPS};
 use crate::planning::document;
+use crate::planning::document::files::Files;
 use crate::planning::finding::Finding;
 use crate::planning::outcome::Outcome;
 use crate::planning::tape::machine::Catalogue;
@@ -50,11 +51,10 @@ const NICE: i32 = 5;
 /// If a limit cannot be set, or the parent cannot be reached any more.
 pub fn run(limits: &Limits) -> io::Result<()> {
     confine(limits)?;
-    let mut text = Vec::new();
-    io::stdin().lock().read_to_end(&mut text)?;
+    let given = Given::read(&mut io::stdin().lock())?;
     let out = BufWriter::new(io::stdout().lock());
     let attempt = Attempt { started: Instant::now(), out: out.into() };
-    if limits.check { attempt.check(&text) } else { attempt.answer(&text) }
+    if limits.check { attempt.check(&given) } else { attempt.answer(&given) }
 }
 
 fn confine(limits: &Limits) -> io::Result<()> {
@@ -83,38 +83,71 @@ fn set(resource: Resource, current: u64, maximum: u64) -> io::Result<()> {
     Ok(rustix::process::setrlimit(resource, limit)?)
 }
 
+/// What the service has sent.
+struct Given {
+    machines: Vec<u8>,
+    document: Vec<u8>,
+    files: Files,
+}
+
+impl Given {
+    /// Reads it. The service is trusted to send what it announces; if it ends before, so does this process.
+    fn read(reader: &mut impl BufRead) -> io::Result<Self> {
+        let machines = line(reader)?;
+        let lengths: Lengths = serde_json::from_slice(&line(reader)?)?;
+        let document = exactly(reader, lengths.document)?;
+        let mut files = Files::default();
+        for file in lengths.files {
+            let body = exactly(reader, file.bytes)?;
+            files.insert(file.name, body).map_err(io::Error::other)?;
+        }
+        Ok(Self { machines, document, files })
+    }
+}
+
+fn line(reader: &mut impl BufRead) -> io::Result<Vec<u8>> {
+    let mut line = Vec::new();
+    reader.read_until(b'\n', &mut line)?;
+    Ok(line)
+}
+
+fn exactly(reader: &mut impl Read, bytes: u64) -> io::Result<Vec<u8>> {
+    let mut body = vec![0; usize::try_from(bytes).map_err(io::Error::other)?];
+    reader.read_exact(&mut body)?;
+    Ok(body)
+}
+
 struct Attempt<W: Write> {
     started: Instant,
     out: std::cell::RefCell<W>,
 }
 
 impl<W: Write> Attempt<W> {
-    fn answer(self, text: &[u8]) -> io::Result<()> {
-        let (machines, document) = halves(text);
-        match self.plan(machines, document) {
+    fn answer(self, given: &Given) -> io::Result<()> {
+        match self.plan(given) {
             Ok(outcome) => self.deliver(&outcome),
             Err(faults) => self.say(&Message::Faults(faults)),
         }
     }
 
-    fn check(self, text: &[u8]) -> io::Result<()> {
-        let (machines, document) = halves(text);
-        self.say(&match checked(machines, document) {
+    fn check(self, given: &Given) -> io::Result<()> {
+        self.say(&match checked(given) {
             Ok(label) => Message::Sound(label),
             Err(faults) => Message::Faults(faults),
         })
     }
 
-    fn plan(&self, machines: &[u8], document: &[u8]) -> Result<Outcome, Vec<Finding>> {
-        let catalogue = catalogue(machines)?;
-        let document = document::read(document)?;
+    fn plan(&self, given: &Given) -> Result<Outcome, Vec<Finding>> {
+        let catalogue = catalogue(&given.machines)?;
+        let document = document::read(&given.document)?;
         let on_stage = |name: &'static str| {
             let message = Message::Stage { name: name.to_owned(), at_s: self.seconds() };
             // A parent that is gone ends this process by a signal.
             let _ = self.say(&message);
         };
         let never = std::sync::atomic::AtomicBool::new(false);
-        plan(&document, &catalogue, &Budget::new(DEFAULT_STEPS, &never, &on_stage))
+        let budget = Budget::new(DEFAULT_STEPS, &never, &on_stage);
+        plan(&document, &given.files, &catalogue, &budget)
     }
 
     fn deliver(&self, outcome: &Outcome) -> io::Result<()> {
@@ -122,6 +155,9 @@ impl<W: Write> Attempt<W> {
         let mut parts = vec![(Role::Report, "report.json", "", report.as_slice())];
         for drawing in &outcome.drawings {
             parts.push((Role::Drawing, &drawing.name, "", drawing.svg.as_bytes()));
+        }
+        for attachment in &outcome.attachments {
+            parts.push((Role::Drawing, &attachment.name, "", attachment.text.as_bytes()));
         }
         for file in &outcome.programs {
             parts.push((Role::Program, &file.name, file.dialect, file.text.as_bytes()));
@@ -152,17 +188,9 @@ impl<W: Write> Attempt<W> {
     }
 }
 
-/// The machines and the document, without the line end between them: the lines of a fault are the document's own.
-fn halves(text: &[u8]) -> (&[u8], &[u8]) {
-    match text.iter().position(|byte| *byte == b'\n') {
-        Some(end) => (&text[..end], &text[end + 1..]),
-        None => (text, &[]),
-    }
-}
-
-fn checked(machines: &[u8], document: &[u8]) -> Result<Label, Vec<Finding>> {
-    let document = document::read(document)?;
-    validate(&document, &catalogue(machines)?)?;
+fn checked(given: &Given) -> Result<Label, Vec<Finding>> {
+    let document = document::read(&given.document)?;
+    validate(&document, &given.files, &catalogue(&given.machines)?)?;
     let kind = document.input.kind().to_owned();
     Ok(Label { kind, name: document.name, references: document.references })
 }
@@ -191,11 +219,28 @@ fn catalogue(machines: &[u8]) -> Result<Catalogue, Vec<Finding>> {
 mod tests {
     use super::*;
 
+    fn given(text: &str) -> io::Result<Given> {
+        Given::read(&mut text.as_bytes())
+    }
+
     #[test]
     fn a_document_with_faults_is_answered_with_its_faults() {
         let out = std::cell::RefCell::new(Vec::new());
         let attempt = Attempt { started: Instant::now(), out };
-        let faults = attempt.plan(b"[]", b"{\"kind\": \"tape-cut\"}").unwrap_err();
-        assert_eq!(faults[0].at, "/input");
+        let document = "{\"kind\": \"tape-cut\"}";
+        let given = given(&format!("[]\n{{\"document\": {}, \"files\": []}}\n{document}", document.len()));
+        assert_eq!(attempt.plan(&given.unwrap()).unwrap_err()[0].at, "/input");
+    }
+
+    #[test]
+    fn document_and_files_are_taken_apart_by_their_lengths_alone() {
+        let lengths = r#"{"document": 4, "files": [{"name": "b", "bytes": 3}, {"name": "a", "bytes": 0}]}"#;
+        let read = given(&format!("[1]\n{lengths}\n{{\n\n}}\n\n\n")).unwrap();
+        assert_eq!((read.machines.trim_ascii(), read.document.as_slice()), (&b"[1]"[..], &b"{\n\n}"[..]));
+        assert_eq!(read.files.iter().collect::<Vec<_>>(), [("a", &b""[..]), ("b", b"\n\n\n")]);
+        for cut_short in ["", "[]\n", "[]\n{\"document\": 2, \"files\": []}\n{"] {
+            assert!(given(cut_short).is_err(), "{cut_short:?}");
+        }
+        assert!(given("[]\n{\"document\": 0, \"files\": [{\"name\": \"../a\", \"bytes\": 0}]}\n").is_err());
     }
 }

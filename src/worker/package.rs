@@ -8,6 +8,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 use super::protocol::{Delivered, Role};
 use crate::job::id::ProgramId;
 use crate::job::life::StageTime;
+use crate::planning::outcome::Verdict;
 use crate::store::programs::{NewFile, NewProgram};
 use crate::store::results::{Answer, NewDrawing};
 
@@ -20,6 +21,9 @@ pub enum Defect {
     /// A name with other characters than letters, digits, `.`, `-` and `_`.
     #[error("{0:?} is not a plain file name")]
     Name(String),
+    /// A report without a verdict.
+    #[error("the report has no verdict: {0}")]
+    Report(serde_json::Error),
     /// The archive could not be written.
     #[error("the archive could not be written: {0}")]
     Archive(#[from] zip::result::ZipError),
@@ -49,7 +53,19 @@ pub fn package(parts: Vec<Delivered>, stages: Vec<StageTime>, program: ProgramId
         1 => Some(NewProgram { id: program, files, archive: None }),
         _ => Some(NewProgram { id: program, archive: Some(archive(&files)?), files }),
     };
-    Ok(Answer { report: report.ok_or(Defect::NoReport)?, drawings, program, stages })
+    let report = report.ok_or(Defect::NoReport)?;
+    let usable = verdict(&report)? == Verdict::Usable;
+    Ok(Answer { report, usable, drawings, program, stages })
+}
+
+/// What a report says of its job.
+fn verdict(report: &[u8]) -> Result<Verdict, Defect> {
+    #[derive(serde::Deserialize)]
+    struct Report {
+        verdict: Verdict,
+    }
+    let report: Report = serde_json::from_slice(report).map_err(Defect::Report)?;
+    Ok(report.verdict)
 }
 
 /// Names stand in headers, addresses and archives.
@@ -97,7 +113,7 @@ mod tests {
     fn several_files_become_one_archive_with_the_same_bytes_each_time() {
         let parts = || {
             vec![
-                delivered(Role::Report, "report.json", b"{}"),
+                delivered(Role::Report, "report.json", br#"{"verdict": "usable"}"#),
                 delivered(Role::Program, "cut.src", b"DEF cut()\r\n"),
                 delivered(Role::Program, "cut.dat", b"DEFDAT cut\r\n"),
             ]

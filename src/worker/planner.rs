@@ -9,7 +9,7 @@ use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 
 use super::checking::Label;
-use super::protocol::{Delivered, Message};
+use super::protocol::{Delivered, FileLength, Lengths, Message};
 use crate::config::Config;
 use crate::job::life::FailureCode;
 use crate::planning::finding::Finding;
@@ -145,12 +145,22 @@ fn command(config: &Config, task: Task) -> Command {
     command
 }
 
+/// Sends everything. A child that ended early is noticed by its exit.
 async fn tell(mut stdin: ChildStdin, input: AttemptInput) {
-    let line = format!("{}\n", input.machines.replace('\n', " "));
-    // A child that ended early is noticed by its exit.
-    if stdin.write_all(line.as_bytes()).await.is_ok() {
-        let _ = stdin.write_all(&input.body).await;
+    let Ok(head) = head(&input) else { return };
+    for piece in [head.as_bytes(), &input.body].into_iter().chain(input.files.iter().map(|(_, body)| body)) {
+        if stdin.write_all(piece).await.is_err() {
+            return;
+        }
     }
+}
+
+/// The two lines before the document.
+fn head(input: &AttemptInput) -> serde_json::Result<String> {
+    let file = |(name, body): (&str, &[u8])| FileLength { name: name.to_owned(), bytes: body.len() as u64 };
+    let lengths =
+        Lengths { document: input.body.len() as u64, files: input.files.iter().map(file).collect() };
+    Ok(format!("{}\n{}\n", input.machines.replace('\n', " "), serde_json::to_string(&lengths)?))
 }
 
 async fn listen(stdout: ChildStdout, sender: mpsc::Sender<Heard>) {

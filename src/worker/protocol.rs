@@ -1,13 +1,31 @@
 //! What the service and the child that plans say to each other.
 //!
-//! To the child, on its standard input: one line with a JSON array of machine profiles, then the document byte
-//! for byte. From the child, on its standard output: one JSON message a line; the last one is `Answer`,
+//! To the child, on its standard input: one line with a JSON array of machine profiles, one line with the lengths of
+//! what follows ([`Lengths`]), then the document byte for byte, then the files one after the other. From the child, on its standard output: one JSON message a line; the last one is `Answer`,
 //! `Sound` or `Faults`. After an `Answer` follow the bytes of its parts, one after the other.
 
 use serde::{Deserialize, Serialize};
 
 use super::checking::Label;
 use crate::planning::finding::Finding;
+
+/// What the service sends to the child, and how long each is.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Lengths {
+    /// The bytes of the document.
+    pub document: u64,
+    /// The files, in order.
+    pub files: Vec<FileLength>,
+}
+
+/// A file that is sent.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FileLength {
+    /// Its name.
+    pub name: String,
+    /// Its bytes.
+    pub bytes: u64,
+}
 
 /// A message of the child.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -3,6 +3,7 @@
 use bladeplan::planning::attempt::plan;
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document;
+use bladeplan::planning::document::files::Files;
 use bladeplan::planning::outcome::{Outcome, Verdict};
 use bladeplan::planning::tape::machine::Catalogue;
 use rstest::rstest;
@@ -20,7 +21,8 @@ fn ply() -> Value {
 }
 
 fn planned(job: Value) -> Outcome {
-    plan(&document::from_value(job).unwrap(), &Catalogue::built_in(), &Budget::unwatched()).unwrap()
+    plan(&document::from_value(job).unwrap(), &Files::default(), &Catalogue::built_in(), &Budget::unwatched())
+        .unwrap()
 }
 
 fn found(outcome: &Outcome) -> Vec<(String, String)> {

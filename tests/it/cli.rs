@@ -85,3 +85,75 @@ fn check_passes_what_was_planned_and_refuses_what_was_changed() {
     fs::write(&program, "G21\nhello\n").unwrap();
     assert_eq!(check().status.code(), Some(3));
 }
+
+/// A job in a folder of its own, whose outline is in a file of this name.
+fn job_naming(folder: &TempDir, name: &str) -> PathBuf {
+    let job = fs::read(project("examples/first.job.json")).unwrap();
+    let mut job: serde_json::Value = serde_json::from_slice(&job).unwrap();
+    job["input"]["boundary"] = serde_json::json!({"file": name});
+    let path = folder.path().join("job.json");
+    fs::write(&path, job.to_string()).unwrap();
+    path
+}
+
+#[test]
+fn a_file_beside_the_job_is_read_from_wherever_the_command_is_given() {
+    let folder = TempDir::new().unwrap();
+    let job = job_naming(&folder, "boundary 1.txt");
+    fs::write(folder.path().join("boundary 1.txt"), "0 0 0\n").unwrap();
+    let out = folder.path().join("out");
+    // No content of a file is read for a ply yet; that its planner knows the file is seen by the length it names.
+    let expected = "/input/boundary/file: not_supported: boundary 1.txt is there with 6 bytes";
+    let (code, said) = plan(&job, &out);
+    assert_eq!(code, 2);
+    assert!(said.contains(expected), "{said}");
+    assert!(!out.exists());
+    let mut command = Command::new(env!("CARGO_BIN_EXE_bladeplan"));
+    let here =
+        command.current_dir(folder.path()).args(["plan", "job.json", "--out", "out"]).output().unwrap();
+    assert_eq!(here.status.code(), Some(2));
+    assert!(String::from_utf8(here.stderr).unwrap().contains(expected));
+    let program = folder.path().join("roll.ngc");
+    fs::write(&program, "M2\n").unwrap();
+    let check = bladeplan(&["check", program.to_str().unwrap(), "--job", job.to_str().unwrap()]);
+    assert_eq!(check.status.code(), Some(2));
+    assert!(String::from_utf8(check.stderr).unwrap().contains(expected));
+}
+
+#[test]
+fn what_is_no_file_beside_the_job_is_refused_in_words_beside_every_other_fault() {
+    let folder = TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir(at("folder")).unwrap();
+    fs::write(at("elsewhere"), "0 0 0\n").unwrap();
+    std::os::unix::fs::symlink(at("elsewhere"), at("link")).unwrap();
+    std::os::unix::fs::symlink(at("nowhere"), at("dangling")).unwrap();
+    rustix::fs::mkfifoat(rustix::fs::CWD, at("pipe"), rustix::fs::Mode::RUSR).unwrap();
+    for (name, words) in [
+        ("missing.txt", "there is no file"),
+        ("folder", "not an ordinary file"),
+        ("link", "is a symbolic link"),
+        ("dangling", "is a symbolic link"),
+        ("pipe", "not an ordinary file"),
+    ] {
+        let job = job_naming(&folder, name);
+        let text = fs::read_to_string(&job).unwrap().replace("two-cutter-lab", "nowhere");
+        fs::write(&job, text).unwrap();
+        let (code, said) = plan(&job, &at("out"));
+        assert_eq!(code, 2);
+        assert!(
+            said.contains("error: /input/boundary/file: unknown_file: ") && said.contains(words),
+            "{said}"
+        );
+        assert!(said.contains("unknown_machine") && said.contains("2 faults"), "{said}");
+    }
+    for name in ["../elsewhere", "./elsewhere", "", "/etc/hostname"] {
+        let (code, said) = plan(&job_naming(&folder, name), &at("out"));
+        assert_eq!(code, 2);
+        assert!(
+            said.contains("/input/boundary/file: unknown_file: ")
+                && said.contains("plain name") | name.is_empty(),
+            "{said}"
+        );
+    }
+}

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use bladeplan::planning::attempt::plan;
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document;
+use bladeplan::planning::document::files::Files;
 use bladeplan::planning::outcome::{Outcome, Verdict};
 use bladeplan::planning::program::events::{AXIS_LETTERS, Event, Executed, Positions};
 use bladeplan::planning::program::nc::read::read;
@@ -27,7 +28,8 @@ pub fn cases() -> Vec<PathBuf> {
 /// Plans the job of a golden case.
 pub fn outcome(case: &Path) -> Outcome {
     let job = fs::read(case.join("job.json")).unwrap();
-    plan(&document::read(&job).unwrap(), &Catalogue::built_in(), &Budget::unwatched()).unwrap()
+    plan(&document::read(&job).unwrap(), &Files::default(), &Catalogue::built_in(), &Budget::unwatched())
+        .unwrap()
 }
 
 /// What a knife does between going down and coming up, in (u, v) of its course.
@@ -79,7 +81,8 @@ fn pair(value: &Value) -> [f64; 2] {
     [value[0].as_f64().unwrap(), value[1].as_f64().unwrap()]
 }
 
-fn compare_text(path: &Path, text: &str) {
+/// Compares a text with the file that holds it, or writes the file if that is wished.
+pub fn compare_text(path: &Path, text: &str) {
     if std::env::var("BLADEPLAN_GOLDEN").is_ok_and(|wish| wish == "write") {
         fs::write(path, text).unwrap();
     }
@@ -120,7 +123,7 @@ fn no_piece_of_an_unsymmetric_ply_is_mirrored() {
         "machine": "two-cutter-lab"}}"#;
     let plan = |job: &str| {
         let document = document::read(job.as_bytes()).unwrap();
-        plan(&document, &Catalogue::built_in(), &Budget::unwatched()).unwrap().report
+        plan(&document, &Files::default(), &Catalogue::built_in(), &Budget::unwatched()).unwrap().report
     };
     let lengthwise_v = |report: &Value| -> f64 {
         let cuts = report["courses"][0]["pieces"][0]["cuts"].as_array().unwrap().clone();
@@ -164,6 +167,6 @@ fn ends_that_meet_at_one_place_are_cut_on_a_turned_ply(
         "tracks": [{"number": 1, "points": [track(0.0), track(500.0)]}],
         "machine": "two-cutter-lab"}});
     let document = document::from_value(job).unwrap();
-    let outcome = plan(&document, &Catalogue::built_in(), &Budget::unwatched()).unwrap();
+    let outcome = plan(&document, &Files::default(), &Catalogue::built_in(), &Budget::unwatched()).unwrap();
     assert_eq!(outcome.verdict, Verdict::Usable, "{:?}", outcome.findings);
 }

@@ -7,8 +7,10 @@ use std::collections::HashMap;
 
 use bladeplan::planning::attempt::check;
 use bladeplan::planning::budget::Budget;
+use bladeplan::planning::document::files::Files;
 use bladeplan::planning::document::{self, JobDocument};
 use bladeplan::planning::finding::{Code, any_error};
+use bladeplan::planning::outcome::ProgramFile;
 use bladeplan::planning::tape::machine::Catalogue;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -158,8 +160,9 @@ fn every_change_is_said_and_every_other_cut_is_forbidden() {
 
 /// Checks one change; says whether it changes the cut.
 fn verify(job: &JobDocument, text: &str, changed: &str) -> bool {
+    let changed_file = ProgramFile { name: "roll.ngc".into(), dialect: "linuxcnc", text: changed.to_owned() };
     let (figures, findings) =
-        check(job, &Catalogue::built_in(), "roll.ngc", changed, &Budget::unwatched()).unwrap();
+        check(job, &Files::default(), &Catalogue::built_in(), &[changed_file], &Budget::unwatched()).unwrap();
     let said = findings.iter().any(|finding| finding.code == Code::DiffersFromPlan);
     assert!(said || any_error(&findings), "a change was passed over");
     let before = meaning(text).unwrap();
@@ -177,7 +180,7 @@ fn a_program_as_planned_passes_without_a_word() {
         let Some(program) = outcome(&case).programs.into_iter().next() else { continue };
         let job = document::read(&std::fs::read(case.join("job.json")).unwrap()).unwrap();
         let (_, findings) =
-            check(&job, &Catalogue::built_in(), &program.name, &program.text, &Budget::unwatched()).unwrap();
+            check(&job, &Files::default(), &Catalogue::built_in(), &[program], &Budget::unwatched()).unwrap();
         assert!(findings.is_empty(), "{}: {findings:?}", case.display());
     }
 }
@@ -202,8 +205,9 @@ fn a_line_longer_than_the_machine_takes_is_refused() {
     let errors = |length: usize| {
         let comment = format!("({})\n", "X".repeat(length - 2));
         let changed = text.replacen("N10 ", &format!("{comment}N10 "), 1);
+        let changed = ProgramFile { name: "roll.ngc".into(), dialect: "linuxcnc", text: changed };
         let (_, findings) =
-            check(&job, &Catalogue::built_in(), "roll.ngc", &changed, &Budget::unwatched()).unwrap();
+            check(&job, &Files::default(), &Catalogue::built_in(), &[changed], &Budget::unwatched()).unwrap();
         let errors = findings.into_iter().filter(|finding| finding.is_error());
         errors.map(|finding| (finding.code, finding.at)).collect::<Vec<_>>()
     };

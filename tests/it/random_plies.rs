@@ -3,6 +3,7 @@
 use bladeplan::planning::attempt::plan;
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document;
+use bladeplan::planning::document::files::Files;
 use bladeplan::planning::finding::Code;
 use bladeplan::planning::outcome::{Outcome, Verdict};
 use bladeplan::planning::tape::machine::Catalogue;
@@ -106,7 +107,7 @@ impl Ply {
             "boundary": {"points": self.outline()}, "holes": self.holes(), "tracks": self.tracks(),
             "machine": "two-cutter-lab"}});
         let document = document::from_value(job).unwrap();
-        plan(&document, &Catalogue::built_in(), &Budget::unwatched()).unwrap()
+        plan(&document, &Files::default(), &Catalogue::built_in(), &Budget::unwatched()).unwrap()
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use bladeplan::planning::attempt::validate;
 use bladeplan::planning::document;
+use bladeplan::planning::document::files::Files;
 use bladeplan::planning::finding::Finding;
 use bladeplan::planning::tape::machine::Catalogue;
 use serde::Deserialize;
@@ -39,7 +40,9 @@ pub fn cases() -> Vec<(PathBuf, Vec<u8>, Vec<Fault>)> {
 
 fn refusal(bytes: &[u8]) -> Vec<Finding> {
     match document::read(bytes) {
-        Ok(document) => validate(&document, &Catalogue::built_in()).expect_err("it must be refused"),
+        Ok(document) => {
+            validate(&document, &Files::default(), &Catalogue::built_in()).expect_err("it must be refused")
+        }
         Err(faults) => faults,
     }
 }

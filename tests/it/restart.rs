@@ -8,8 +8,9 @@ fn programs() -> Vec<String> {
     let example = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/wing-skin-trapezoid-45.job.json");
     let job = bladeplan::planning::document::read(&std::fs::read(example).unwrap()).unwrap();
     let catalogue = bladeplan::planning::tape::machine::Catalogue::built_in();
+    let files = bladeplan::planning::document::files::Files::default();
     let budget = bladeplan::planning::budget::Budget::unwatched();
-    let ply = bladeplan::planning::attempt::plan(&job, &catalogue, &budget).unwrap();
+    let ply = bladeplan::planning::attempt::plan(&job, &files, &catalogue, &budget).unwrap();
     let golden = cases().into_iter().flat_map(|case| outcome(&case).programs);
     golden.chain(ply.programs).map(|program| program.text).collect()
 }

@@ -7,6 +7,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use reqwest::blocking::multipart::{Form, Part};
 use reqwest::blocking::{Client, RequestBuilder, Response};
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::{Value, json};
@@ -109,6 +110,15 @@ impl Served {
         request.header("content-type", "application/json").body(body)
     }
 
+    /// Posts a document with files, as a form.
+    pub fn post_form(&self, form: Form) -> RequestBuilder {
+        self.post_form_to("/v1/jobs", form)
+    }
+
+    pub fn post_form_to(&self, path: &str, form: Form) -> RequestBuilder {
+        self.client.post(format!("{}{path}", self.address)).multipart(form)
+    }
+
     /// The JSON at a path, which must be there.
     pub fn json(&self, path: &str) -> Value {
         let response = self.get(path).send().unwrap();
@@ -204,6 +214,14 @@ pub fn command(folder: &Path, flags: &[&str]) -> Command {
     command
 }
 
+/// A form of a document and of files, each under its own file name.
+pub fn form(document: &[u8], files: &[(&str, &[u8])]) -> Form {
+    let job = Part::bytes(document.to_vec()).mime_str("application/json").unwrap();
+    files.iter().fold(Form::new().part("job", job), |form, (name, body)| {
+        form.part("file", Part::bytes(body.to_vec()).file_name((*name).to_owned()))
+    })
+}
+
 /// The id in the answer to a post.
 pub fn id_of(response: Response) -> String {
     let body: Value = response.json().unwrap();
@@ -225,6 +243,14 @@ pub fn until<T>(mut ask: impl FnMut() -> Option<T>) -> T {
 /// A rectangular ply of one course.
 pub fn small_job(name: &str) -> Value {
     ply(name, json!([[0, 0, 0], [400, 0, 0], [400, 80, 0], [0, 80, 0]]), &[40.0])
+}
+
+/// A ply whose outline is in a file of this name. No content of a file is read for a ply yet: it is taken in, and its
+/// attempt says so.
+pub fn job_with_a_file(name: &str) -> Value {
+    let mut job = small_job("with a file");
+    job["input"]["boundary"] = json!({"file": name});
+    job
 }
 
 /// A ply that needs more knives at one place than there are: valid, but without a usable program.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use bladeplan::job::id::{JobId, ProgramId, WorkerId};
 use bladeplan::job::life::{Illegal, NewJob, State};
 use bladeplan::job::moment::Moment;
+use bladeplan::planning::document::files::Files;
 use bladeplan::store::attempts::Lost;
 use bladeplan::store::jobs::Post;
 use bladeplan::store::programs::{NewFile, NewProgram};
@@ -28,7 +29,8 @@ async fn keyed(store: &Store, number: u8, actor: &str, key: Option<&str>) -> Res
     let id = JobId::new(at(i64::from(number)), &[number; 10]);
     let job = NewJob { id, kind: "tape-cut".into(), name: "x".into(), references: BTreeMap::new() };
     let now = at(i64::from(number));
-    let post = Post { job, body: b"{}", machines: "[]", key, most_queued: 100, actor, now };
+    let files = &Files::default();
+    let post = Post { job, body: b"{}", files, machines: "[]", key, most_queued: 100, actor, now };
     Ok(store.post(post).await?.job.id)
 }
 
@@ -37,7 +39,7 @@ fn answer(text: &str) -> Answer {
     let id = ProgramId::new(at(0), &text.as_bytes()[..10].try_into().unwrap());
     let program = Some(NewProgram { id, files: vec![file], archive: None });
     let report = serde_json::json!({"text": text}).to_string().into_bytes();
-    Answer { report, drawings: vec![], program, stages: vec![] }
+    Answer { report, usable: true, drawings: vec![], program, stages: vec![] }
 }
 
 async fn open(folder: &TempDir) -> Store {
@@ -159,8 +161,11 @@ async fn an_idempotency_key_belongs_to_its_sender() {
     let first = keyed(&store, 1, "mes", Some("k")).await.unwrap();
     assert_eq!(keyed(&store, 2, "mes", Some("k")).await.unwrap(), first);
     assert_ne!(keyed(&store, 3, "engineer", Some("k")).await.unwrap(), first);
-    assert!(matches!(store.posted_before("mes", "k", b"other").await, Err(Error::KeyReused)));
-    assert_eq!(store.posted_before("auditor", "k", b"{}").await.unwrap(), None);
+    assert!(matches!(
+        store.posted_before("mes", "k", b"other", &Files::default()).await,
+        Err(Error::KeyReused)
+    ));
+    assert_eq!(store.posted_before("auditor", "k", b"{}", &Files::default()).await.unwrap(), None);
 }
 
 #[tokio::test]

@@ -13,6 +13,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::posting::entity_tag;
+use super::programs::deliver;
 use super::ranges::matches_tag;
 use super::wire::{JobBody, JobPageBody, StateWord};
 use super::{events, posting};
@@ -35,6 +36,7 @@ pub fn routes() -> OpenApiRouter<Service> {
         .routes(routes!(get_job))
         .routes(routes!(events::follow_job))
         .routes(routes!(get_input))
+        .routes(routes!(get_job_file))
         .routes(routes!(get_report))
         .routes(routes!(get_drawing))
         .routes(routes!(cancel_job))
@@ -170,6 +172,34 @@ async fn get_input(State(service): State<Service>, path: JobPath) -> Answer<Resp
     Ok(([(header::CONTENT_TYPE, "application/json")], body).into_response())
 }
 
+/// Fetch a file that came with a job, byte for byte
+#[utoipa::path(get, path = "/v1/jobs/{id}/files/{name}", tag = "jobs",
+    params(("id" = String, Path, description = "The job"),
+        ("name" = String, Path, description = "The file, as the job lists it"),
+        ("Range" = Option<String>, Header, description = "One range of bytes, to resume a transfer"),
+        ("If-Range" = Option<String>, Header, description = "The ETag to which the range belongs"),
+        ("If-None-Match" = Option<String>, Header, description = "The ETag that is known already")),
+    responses(
+        (status = 200, description = "The bytes", body = Vec<u8>, content_type = "application/octet-stream", headers(
+            ("ETag" = String, description = "The SHA-256 in quotes"),
+            ("Repr-Digest" = String, description = "The SHA-256 of the whole as RFC 9530 writes it"),
+            ("Content-Disposition" = String, description = "The name to save it under"))),
+        (status = 206, description = "The range", body = Vec<u8>, content_type = "application/octet-stream"),
+        (status = 304, description = "It is as it was"),
+        (status = 404, description = "There is no such job or file", body = ProblemBody, content_type = "application/problem+json"),
+        (status = 416, description = "The range lies outside", body = ProblemBody, content_type = "application/problem+json")))]
+async fn get_job_file(State(service): State<Service>, path: JobPath, headers: HeaderMap) -> Answer<Response> {
+    match service.store().job_file(&path.id, &path.name).await {
+        // Whatever the sender says that it is, a browser shows nothing of it.
+        Ok(bytes) => deliver(&headers, bytes, &path.name, "application/octet-stream"),
+        Err(Error::NotFound) => {
+            service.store().job(&path.id).await.map_err(of_job)?;
+            Err(Problem::new(ProblemCode::FileNotFound))
+        }
+        Err(other) => Err(other.into()),
+    }
+}
+
 /// Fetch the report of a job that has succeeded
 #[utoipa::path(get, path = "/v1/jobs/{id}/report", tag = "jobs",
     params(("id" = String, Path, description = "The job")),
@@ -185,12 +215,12 @@ async fn get_report(State(service): State<Service>, path: JobPath) -> Answer<Res
     }
 }
 
-/// Fetch a drawing of a job that has succeeded
+/// Fetch a drawing, or a text that goes with the report, of a job that has succeeded
 #[utoipa::path(get, path = "/v1/jobs/{id}/drawings/{name}", tag = "jobs",
     params(("id" = String, Path, description = "The job"),
         ("name" = String, Path, description = "The drawing, as the job lists it")),
     responses(
-        (status = 200, description = "The drawing", body = String, content_type = "image/svg+xml"),
+        (status = 200, description = "The drawing as SVG; curves as text/csv, other texts as text/plain", body = String, content_type = "image/svg+xml"),
         (status = 404, description = "There is no such job or drawing", body = ProblemBody, content_type = "application/problem+json"),
         (status = 409, description = "Not yet", body = ProblemBody, content_type = "application/problem+json")))]
 async fn get_drawing(State(service): State<Service>, path: JobPath) -> Answer<Response> {
@@ -198,12 +228,20 @@ async fn get_drawing(State(service): State<Service>, path: JobPath) -> Answer<Re
         Ok(body) => {
             // A drawing opened by itself in a browser runs nothing and loads nothing.
             let policy = "default-src 'none'; style-src 'unsafe-inline'; sandbox";
-            let headers =
-                [(header::CONTENT_TYPE, "image/svg+xml"), (header::CONTENT_SECURITY_POLICY, policy)];
+            let media = media_of(&path.name);
+            let headers = [(header::CONTENT_TYPE, media), (header::CONTENT_SECURITY_POLICY, policy)];
             Ok((headers, body).into_response())
         }
         Err(Error::NotFound) => Err(without_result(&service, &path.id, ProblemCode::DrawingNotFound).await),
         Err(other) => Err(other.into()),
+    }
+}
+
+fn media_of(name: &str) -> &'static str {
+    match name.rsplit('.').next() {
+        Some("svg") => "image/svg+xml",
+        Some("csv") => "text/csv; charset=utf-8",
+        _ => "text/plain; charset=utf-8",
     }
 }
 
@@ -241,13 +279,14 @@ fn cancellation_reason(request: Option<CancellationRequest>) -> Answer<Option<St
     }
 }
 
-/// A job with the names of its drawings.
+/// A job with its files and the names of its drawings.
 async fn completed(service: &Service, job: Job) -> Answer<JobBody> {
     let drawings = match job.state {
         JobState::Succeeded { .. } => service.store().drawing_names(&job.id).await?,
         _ => Vec::new(),
     };
-    Ok(JobBody::new(job, drawings))
+    let files = service.store().job_files(&job.id).await?;
+    Ok(JobBody::new(job, drawings, files))
 }
 
 /// Why a job has not what was asked for; `never` if it has ended.

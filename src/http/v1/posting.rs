@@ -13,13 +13,15 @@ use utoipa::IntoParams;
 use super::wire::{JobBody, ValidationBody, job_address};
 use crate::clock;
 use crate::http::caller::Caller;
-use crate::http::extract::{Query, refuse_other_media};
+use crate::http::extract::{Query, form_type};
 use crate::http::intake::Taken;
 use crate::http::problem::{Answer, Problem, ProblemBody, ProblemCode};
 use crate::http::service::Service;
 use crate::job::id::JobId;
 use crate::job::life::{Job, NewJob};
+use crate::store::attempts::AttemptInput;
 use crate::store::counters::REFUSED_POSTS;
+use crate::store::files::JobFile;
 use crate::store::jobs::{Post, Posted};
 use crate::worker::checking::{Checked, Label, check, label};
 
@@ -46,6 +48,9 @@ pub struct PostQuery {
 ///
 /// The same `Idempotency-Key` with the same bytes gives the same job, for as long as the job lives; a repeated
 /// post is answered like the first one, with `Idempotency-Replayed: true`.
+///
+/// A document that names files is posted as `multipart/form-data`: one part named `job`, as `application/json`, and a
+/// part for each file that it names. The same document and files are the same bytes, however the form wraps them.
 #[utoipa::path(post, path = "/v1/jobs", tag = "jobs",
     params(PostQuery, ("Idempotency-Key" = Option<String>, Header,
         description = "A name for this post, at most 255 visible ASCII characters. A repeated post with the same key and bytes gives the same job.")),
@@ -56,10 +61,11 @@ pub struct PostQuery {
             ("Retry-After" = u32, description = "Seconds after which to look"),
             ("Idempotency-Replayed" = Option<String>, description = "true if an earlier post had made this job"))),
         (status = 200, description = "With validate_only: the document has no faults", body = ValidationBody),
-        (status = 400, description = "Not JSON, or a header or the query has a fault", body = ProblemBody, content_type = "application/problem+json"),
+        (status = 400, description = "Not JSON, no form of a job and its files, or a header or the query has a fault", body = ProblemBody, content_type = "application/problem+json"),
+        (status = 403, description = "A page of another site sends a form", body = ProblemBody, content_type = "application/problem+json"),
         (status = 413, description = "Larger than the service takes", body = ProblemBody, content_type = "application/problem+json"),
-        (status = 415, description = "Not application/json", body = ProblemBody, content_type = "application/problem+json"),
-        (status = 422, description = "Every fault of the document; or the key was used with another body", body = ProblemBody, content_type = "application/problem+json"),
+        (status = 415, description = "Neither application/json nor multipart/form-data", body = ProblemBody, content_type = "application/problem+json"),
+        (status = 422, description = "Every fault of the document, files that it names and that did not come among them; or the key was used with another body", body = ProblemBody, content_type = "application/problem+json"),
         (status = 429, description = "As many jobs wait as may wait", body = ProblemBody, content_type = "application/problem+json"),
         (status = 503, description = "No room, or ending", body = ProblemBody, content_type = "application/problem+json")))]
 pub async fn post_job(
@@ -88,13 +94,16 @@ async fn take_in(
     if service.is_stopping() {
         return Err(Problem::new(ProblemCode::Stopping));
     }
-    refuse_other_media(headers)?;
+    let form = form_type(headers)?;
     let key = idempotency_key(headers)?;
-    let taken = service.intake().take(headers, body).await?;
+    let taken = match form {
+        Some(kind) => service.intake().take_form(kind, headers, body).await?,
+        None => service.intake().take(headers, body).await?,
+    };
     if let (Some(key), false) = (key, validate_only)
-        && let Some(job) = service.store().posted_before(&caller.actor, key, &taken.bytes).await?
+        && let Some(job) = service.store().posted_before(&caller.actor, key, &taken.job, &taken.files).await?
     {
-        return Ok(accepted(Posted { job, replayed: true }));
+        return accepted(service, Posted { job, replayed: true }).await;
     }
     let machines = service.machines().await?;
     let label = checked(service, &taken, &machines, validate_only).await?;
@@ -102,13 +111,14 @@ async fn take_in(
         return Ok(Json(ValidationBody { valid: true, kind: label.kind }).into_response());
     }
     let posted = post(service, caller, key, &taken, label, &machines).await?;
-    Ok(accepted(posted))
+    accepted(service, posted).await
 }
 
 /// Checks a document. What the check cannot decide within its limits, the attempt does.
 async fn checked(service: &Service, taken: &Taken, machines: &str, validate_only: bool) -> Answer<Label> {
     let _place = service.place_to_check().await?;
-    let found = check(service.config(), Arc::clone(&taken.bytes), machines.to_owned()).await;
+    let (body, files) = (Arc::clone(&taken.job), Arc::clone(&taken.files));
+    let found = check(service.config(), AttemptInput { body, files, machines: machines.to_owned() }).await;
     match found.map_err(Problem::internal)? {
         Checked::Sound(label) => Ok(label),
         Checked::Faulty(faults) => Err(Problem::refused(faults)),
@@ -116,7 +126,7 @@ async fn checked(service: &Service, taken: &Taken, machines: &str, validate_only
             Err(Problem::new(ProblemCode::Overloaded)
                 .detail("the check met a limit; posting the job plans it"))
         }
-        Checked::Undecided => label(&taken.bytes).map_err(Problem::refused),
+        Checked::Undecided => label(&taken.job).map_err(Problem::refused),
     }
 }
 
@@ -133,7 +143,8 @@ async fn post(
     let id = JobId::new(now, &clock::entropy());
     let post = Post {
         job: NewJob { id, kind, name, references },
-        body: &taken.bytes,
+        body: &taken.job,
+        files: &taken.files,
         machines,
         key,
         most_queued: i64::from(service.config().max_queued),
@@ -143,11 +154,16 @@ async fn post(
     Ok(service.store().post(post).await?)
 }
 
-fn accepted(posted: Posted) -> Response {
+async fn accepted(service: &Service, posted: Posted) -> Answer<Response> {
+    let files = service.store().job_files(&posted.job.id).await?;
+    Ok(acceptance(posted, files))
+}
+
+fn acceptance(posted: Posted, files: Vec<JobFile>) -> Response {
     let Posted { job, replayed } = posted;
     let location = job_address(&job.id);
     let etag = entity_tag(&job);
-    let mut response = (StatusCode::ACCEPTED, Json(JobBody::new(job, Vec::new()))).into_response();
+    let mut response = (StatusCode::ACCEPTED, Json(JobBody::new(job, Vec::new(), files))).into_response();
     let headers = response.headers_mut();
     headers.insert(header::RETRY_AFTER, HeaderValue::from(RETRY_AFTER_S));
     headers.insert(header::ETAG, etag);

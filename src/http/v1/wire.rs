@@ -8,6 +8,7 @@ use utoipa::ToSchema;
 use crate::job::id::{JobId, ProgramId};
 use crate::job::life::{Job, MOST_ATTEMPTS, State};
 use crate::planning::finding::{Code, Finding, Severity};
+use crate::store::files::JobFile;
 use crate::store::programs::Program;
 
 /// A planning job
@@ -62,8 +63,25 @@ pub struct JobBody {
     /// The names of its drawings.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     drawings: Vec<String>,
+    /// The files that came with it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    files: Vec<JobFileBody>,
     /// Where to go next.
     links: JobLinks,
+}
+
+/// A file that came with a job
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = JobFile)]
+pub struct JobFileBody {
+    /// Its name.
+    name: String,
+    /// The SHA-256 of its bytes.
+    sha256: String,
+    /// Its length.
+    bytes: i64,
+    /// Where it is.
+    href: String,
 }
 
 /// Where a job stands
@@ -279,11 +297,12 @@ impl JobBody {
         &self.id
     }
 
-    /// A job with the names of its drawings.
+    /// A job with the names of its drawings and the files that came with it.
     #[must_use]
-    pub fn new(job: Job, drawings: Vec<String>) -> Self {
+    pub fn new(job: Job, drawings: Vec<String>, files: Vec<JobFile>) -> Self {
         let mut body = Self {
             links: JobLinks::new(&job),
+            files: files.into_iter().map(|file| JobFileBody::new(&job.id, file)).collect(),
             id: job.id.to_string(),
             kind: job.kind,
             name: job.name,
@@ -339,6 +358,15 @@ impl JobBody {
                 self.cancellation = Some(CancellationBody { by, reason });
             }
         }
+    }
+}
+
+impl JobFileBody {
+    fn new(job: &JobId, file: JobFile) -> Self {
+        let JobFile { name, sha256, bytes } = file;
+        // Of what a plain name may hold, an address takes everything but a space.
+        let href = format!("{}/files/{}", job_address(job), name.replace(' ', "%20"));
+        Self { name, sha256, bytes, href }
     }
 }
 

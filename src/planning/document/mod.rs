@@ -1,5 +1,6 @@
 //! The job document: text from outside, read once into typed input, every fault with its JSON pointer.
 
+pub mod files;
 pub mod shape;
 
 use std::collections::BTreeMap;
@@ -7,8 +8,12 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use self::files::NamedFile;
 use self::shape::{Field, Shape, optional, required};
 use super::finding::{Code, Finding};
+use super::honeycomb::wire::{
+    HONEYCOMB_CONVERT, HONEYCOMB_CUT, HONEYCOMB_OPTIMUM, HoneycombConvert, HoneycombCut, HoneycombOptimum,
+};
 use super::tape::wire::{TAPE_CUT, TapeCut};
 
 /// A job as MES, curl and the command line send it (jobs.md).
@@ -21,6 +26,9 @@ pub struct JobDocument {
     /// What is to be planned.
     #[serde(flatten)]
     pub input: JobInput,
+    /// The files that it names, in the order of its fields.
+    #[serde(skip)]
+    pub named_files: Vec<NamedFile>,
 }
 
 /// What is to be planned, by kind.
@@ -29,6 +37,12 @@ pub struct JobDocument {
 pub enum JobInput {
     /// The courses of a ply, cut from tape by one or two knives.
     TapeCut(Box<TapeCut>),
+    /// A honeycomb core, cut by a robot with a straight blade.
+    HoneycombCut(Box<HoneycombCut>),
+    /// The published model of such cutting alone.
+    HoneycombOptimum(Box<HoneycombOptimum>),
+    /// A milling program, made into one for such cutting.
+    HoneycombConvert(Box<HoneycombConvert>),
 }
 
 impl JobInput {
@@ -37,6 +51,9 @@ impl JobInput {
     pub fn kind(&self) -> &'static str {
         match self {
             Self::TapeCut(_) => "tape-cut",
+            Self::HoneycombCut(_) => "honeycomb-cut",
+            Self::HoneycombOptimum(_) => "honeycomb-optimum",
+            Self::HoneycombConvert(_) => "honeycomb-convert",
         }
     }
 }
@@ -44,15 +61,33 @@ impl JobInput {
 const NAME: Shape = Shape::Text { max_chars: 200 };
 const REFERENCES: Shape = Shape::Texts { max: 50, max_chars: 200 };
 
-const TAPE_CUT_JOB: &[Field] = &[
-    required("kind", Shape::Text { max_chars: 40 }),
-    optional("name", NAME),
-    optional("references", REFERENCES),
-    required("input", Shape::Object(TAPE_CUT)),
-];
+const KIND: Shape = Shape::Text { max_chars: 40 };
+
+/// The fields of a job, of which only the input differs from kind to kind.
+const fn job(input: &'static [Field]) -> [Field; 4] {
+    [
+        required("kind", KIND),
+        optional("name", NAME),
+        optional("references", REFERENCES),
+        required("input", Shape::Object(input)),
+    ]
+}
+
+const TAPE_CUT_JOB: [Field; 4] = job(TAPE_CUT);
+const HONEYCOMB_CUT_JOB: [Field; 4] = job(HONEYCOMB_CUT);
+const HONEYCOMB_OPTIMUM_JOB: [Field; 4] = job(HONEYCOMB_OPTIMUM);
+const HONEYCOMB_CONVERT_JOB: [Field; 4] = job(HONEYCOMB_CONVERT);
 
 /// The shape of a job document.
-pub const JOB: Shape = Shape::Tagged { tag: "kind", variants: &[("tape-cut", TAPE_CUT_JOB)] };
+pub const JOB: Shape = Shape::Tagged {
+    tag: "kind",
+    variants: &[
+        ("tape-cut", &TAPE_CUT_JOB),
+        ("honeycomb-cut", &HONEYCOMB_CUT_JOB),
+        ("honeycomb-optimum", &HONEYCOMB_OPTIMUM_JOB),
+        ("honeycomb-convert", &HONEYCOMB_CONVERT_JOB),
+    ],
+};
 
 /// Reads a job document.
 ///
@@ -72,14 +107,18 @@ pub fn from_value(mut value: Value) -> Result<JobDocument, Vec<Finding>> {
     if !faults.is_empty() {
         return Err(faults);
     }
+    let named_files = JOB.named_files(&value, "");
     let kind = value["kind"].as_str().unwrap_or_default().to_owned();
     let name = typed(value["name"].take(), "/name").map(Option::unwrap_or_default)?;
     let references = typed(value["references"].take(), "/references").map(Option::unwrap_or_default)?;
     let input = match kind.as_str() {
         "tape-cut" => JobInput::TapeCut(typed(value["input"].take(), "/input")?),
+        "honeycomb-cut" => JobInput::HoneycombCut(typed(value["input"].take(), "/input")?),
+        "honeycomb-optimum" => JobInput::HoneycombOptimum(typed(value["input"].take(), "/input")?),
+        "honeycomb-convert" => JobInput::HoneycombConvert(typed(value["input"].take(), "/input")?),
         _ => return Err(vec![Finding::error(Code::UnknownValue, "/kind", "this kind of job is not known")]),
     };
-    Ok(JobDocument { name, references, input })
+    Ok(JobDocument { name, references, input, named_files })
 }
 
 /// Reads a value into its type. One that has passed its shape has no fault, unless the shape and the type disagree.

@@ -6,6 +6,7 @@
 
 use serde_json::{Map, Value, json};
 
+use super::files::{LONGEST_NAME, NamedFile, PLAIN_NAME, plain};
 use crate::planning::finding::{Code, Finding};
 
 /// What a JSON value must look like.
@@ -68,6 +69,11 @@ pub enum Shape {
         /// The largest absolute value.
         limit: f64,
     },
+    /// Two finite numbers, each at most so large: a point of a section.
+    Pair {
+        /// The largest absolute value.
+        limit: f64,
+    },
     /// A text, or an object of this shape.
     TextOr {
         /// The most characters of the text.
@@ -75,9 +81,16 @@ pub enum Shape {
         /// The shape otherwise.
         shape: &'static Shape,
     },
+    /// The plain name of a file that came with the job.
+    FileName,
     /// An array of this shape, or an object naming a file.
     ArrayOrFile(&'static Shape),
 }
+
+/// The shape of an object that names a file: `{"file": "milling.src"}`.
+pub const FILE: Shape = Shape::Object(FILE_FIELDS);
+
+const FILE_FIELDS: &[Field] = &[required("file", Shape::FileName)];
 
 /// A field of an object.
 pub struct Field {
@@ -100,7 +113,7 @@ pub const fn optional(name: &'static str, shape: Shape) -> Field {
 }
 
 /// At most so many faults are listed; a document with more is not worth reading further.
-const MOST_FAULTS: usize = 100;
+pub(super) const MOST_FAULTS: usize = 100;
 
 /// A fault message quotes at most so many characters of what it found.
 const MOST_QUOTED: usize = 40;
@@ -142,20 +155,82 @@ impl Shape {
             Self::Boolean => expect(value.is_boolean(), "true or false", value, at, faults),
             Self::Word(words) => visit_word(words, value, at, faults),
             Self::Texts { max, max_chars } => visit_texts(*max, *max_chars, value, at, faults),
-            Self::Triple { limit } => visit_triple(*limit, value, at, faults),
+            Self::Triple { limit } => visit_numbers(&["x", "y", "z"], *limit, value, at, faults),
+            Self::Pair { limit } => visit_numbers(&["x", "z"], *limit, value, at, faults),
             Self::TextOr { max_chars, shape } => match value {
                 Value::String(_) => visit_text(*max_chars, value, at, faults),
                 _ => shape.visit(value, at, faults),
             },
+            Self::FileName => visit_file_name(value, at, faults),
             Self::ArrayOrFile(shape) => match value {
                 Value::Object(_) => visit_object(FILE_FIELDS, value, at, faults),
                 _ => shape.visit(value, at, faults),
             },
         }
     }
+
+    /// The files that a value of this shape names, each with its JSON pointer below `at`.
+    #[must_use]
+    pub fn named_files(&self, value: &Value, at: &str) -> Vec<NamedFile> {
+        let mut named = Vec::new();
+        self.collect(value, at, &mut named);
+        named
+    }
+
+    fn collect(&self, value: &Value, at: &str, named: &mut Vec<NamedFile>) {
+        match (self, value) {
+            (Self::FileName, Value::String(name)) => {
+                named.push(NamedFile { at: at.to_owned(), name: name.clone() });
+            }
+            (Self::Object(fields), Value::Object(map)) => collect_fields(fields, map, at, named),
+            (Self::Tagged { tag, variants }, Value::Object(map)) => {
+                let found = map.get(*tag).and_then(Value::as_str);
+                let variant = variants.iter().find(|(word, _)| Some(*word) == found);
+                collect_fields(variant.map_or(&[], |(_, fields)| fields), map, at, named);
+            }
+            (Self::Array { item, .. }, Value::Array(items)) if item.can_name_files() => {
+                for (index, inner) in items.iter().enumerate() {
+                    item.collect(inner, &format!("{at}/{index}"), named);
+                }
+            }
+            (Self::TextOr { shape, .. }, Value::Object(_)) => shape.collect(value, at, named),
+            (Self::ArrayOrFile(_), Value::Object(map)) => collect_fields(FILE_FIELDS, map, at, named),
+            (Self::ArrayOrFile(shape), Value::Array(_)) => shape.collect(value, at, named),
+            _ => {}
+        }
+    }
+
+    /// Whether any value of this shape names a file. Where none does, the values are not looked at: outlines have a
+    /// million points.
+    fn can_name_files(&self) -> bool {
+        let any = |fields: &[Field]| fields.iter().any(|field| field.shape.can_name_files());
+        match self {
+            Self::FileName | Self::ArrayOrFile(_) => true,
+            Self::Object(fields) => any(fields),
+            Self::Tagged { variants, .. } => variants.iter().any(|(_, fields)| any(fields)),
+            Self::Array { item: shape, .. } | Self::TextOr { shape, .. } => shape.can_name_files(),
+            _ => false,
+        }
+    }
 }
 
-const FILE_FIELDS: &[Field] = &[required("file", Shape::Text { max_chars: 255 })];
+fn collect_fields(fields: &[Field], map: &Map<String, Value>, at: &str, named: &mut Vec<NamedFile>) {
+    for field in fields.iter().filter(|field| field.shape.can_name_files()) {
+        if let Some(inner) = map.get(field.name) {
+            field.shape.collect(inner, &pointer(at, field.name), named);
+        }
+    }
+}
+
+fn visit_file_name(value: &Value, at: &str, faults: &mut Vec<Finding>) {
+    let Value::String(name) = value else {
+        return expect(false, "the name of a file", value, at, faults);
+    };
+    if let Err(why) = plain(name) {
+        let message = format!("{} is no name of a file: it {why}", quoted(name));
+        faults.push(Finding::error(Code::UnknownFile, at, message));
+    }
+}
 
 fn visit_object(fields: &[Field], value: &Value, at: &str, faults: &mut Vec<Finding>) {
     let Value::Object(map) = value else {
@@ -290,12 +365,14 @@ fn visit_texts(max: usize, max_chars: usize, value: &Value, at: &str, faults: &m
     }
 }
 
-fn visit_triple(limit: f64, value: &Value, at: &str, faults: &mut Vec<Finding>) {
+/// A point: as many numbers as it has coordinates.
+fn visit_numbers(names: &[&str], limit: f64, value: &Value, at: &str, faults: &mut Vec<Finding>) {
+    let count = names.len();
     let Value::Array(items) = value else {
-        return expect(false, "an array of three numbers", value, at, faults);
+        return expect(false, &format!("an array of {count} numbers"), value, at, faults);
     };
-    if items.len() != 3 {
-        let message = format!("has {} numbers; a point has three: x, y, z", items.len());
+    if items.len() != count {
+        let message = format!("has {} numbers; a point has {count} here: {}", items.len(), names.join(", "));
         return faults.push(Finding::error(Code::WrongCount, at, message));
     }
     for (index, item) in items.iter().enumerate() {
@@ -329,7 +406,7 @@ fn unknown_word(words: &[&str], found: &str, at: &str) -> Finding {
 }
 
 /// A text from outside, made safe and short enough to be quoted in a message.
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     let mut short: String = text.chars().take(MOST_QUOTED).collect();
     if short.len() < text.len() {
         short.push_str("...");
@@ -366,18 +443,87 @@ impl Shape {
             Self::Word(words) => json!({"type": "string", "enum": words}),
             Self::Texts { max, max_chars } => json!({"type": "object", "maxProperties": max,
                 "additionalProperties": {"type": "string", "maxLength": max_chars}}),
-            Self::Triple { limit } => json!({"type": "array", "minItems": 3, "maxItems": 3,
-                "items": {"type": "number", "minimum": -limit, "maximum": limit}}),
+            Self::Triple { limit } => numbers_schema(3, *limit),
+            Self::Pair { limit } => numbers_schema(2, *limit),
             Self::TextOr { max_chars, shape } => {
                 json!({"oneOf": [{"type": "string", "maxLength": max_chars}, shape.schema()]})
             }
-            Self::ArrayOrFile(shape) => json!({"oneOf": [shape.schema(), object_schema(FILE_FIELDS)]}),
+            Self::FileName => json!({"type": "string", "minLength": 1, "maxLength": LONGEST_NAME,
+                "pattern": PLAIN_NAME}),
+            Self::ArrayOrFile(shape) => json!({"oneOf": [shape.schema(), FILE.schema()]}),
         }
     }
+}
+
+fn numbers_schema(count: usize, limit: f64) -> Value {
+    json!({"type": "array", "minItems": count, "maxItems": count,
+        "items": {"type": "number", "minimum": -limit, "maximum": limit}})
 }
 
 fn object_schema(fields: &[Field]) -> Value {
     let properties: Map<_, _> = fields.iter().map(|f| (f.name.to_owned(), f.shape.schema())).collect();
     let required: Vec<_> = fields.iter().filter(|f| f.required).map(|f| f.name).collect();
     json!({"type": "object", "additionalProperties": false, "properties": properties, "required": required})
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POINT: Shape = Shape::Triple { limit: 1.0 };
+    const LOOP: Shape = Shape::Object(&[
+        optional("points", Shape::Array { item: &POINT, min: 0, max: 9 }),
+        optional("file", Shape::FileName),
+    ]);
+    const FIELDS: &[Field] = &[
+        required("kind", Shape::Word(&["a"])),
+        optional("loops/all", Shape::Array { item: &LOOP, min: 0, max: 9 }),
+        optional("tracks", Shape::ArrayOrFile(&Shape::Array { item: &LOOP, min: 0, max: 9 })),
+        optional("krl", FILE),
+        optional("profile", Shape::TextOr { max_chars: 9, shape: &FILE }),
+        optional("label", Shape::Text { max_chars: 9 }),
+        optional("notes", Shape::Texts { max: 9, max_chars: 9 }),
+    ];
+    const DOCUMENT: Shape = Shape::Tagged { tag: "kind", variants: &[("a", FIELDS)] };
+
+    fn named(value: &Value) -> Vec<(String, String)> {
+        assert_eq!(DOCUMENT.faults(value, "").len(), 0, "{value}");
+        DOCUMENT.named_files(value, "").into_iter().map(|file| (file.at, file.name)).collect()
+    }
+
+    #[test]
+    fn every_place_that_names_a_file_is_found_and_no_other() {
+        let found = named(&json!({
+            "kind": "a",
+            "loops/all": [{"points": [[0, 0, 0]]}, {"file": "one"}, {"file": "two"}],
+            "tracks": {"file": "three"}, "krl": {"file": "four"}, "profile": {"file": "five"},
+            "label": "six", "notes": {"file": "seven"}
+        }));
+        let expected = [
+            ("/loops~1all/1/file", "one"),
+            ("/loops~1all/2/file", "two"),
+            ("/tracks/file", "three"),
+            ("/krl/file", "four"),
+            ("/profile/file", "five"),
+        ];
+        assert_eq!(found, expected.map(|(at, name)| (at.to_owned(), name.to_owned())));
+        let listed = json!({"kind": "a", "tracks": [{"file": "in a list"}], "profile": "built-in"});
+        assert_eq!(named(&listed), [("/tracks/0/file".to_owned(), "in a list".to_owned())]);
+        assert_eq!(named(&json!({"kind": "a"})), []);
+    }
+
+    #[test]
+    fn a_name_that_is_not_plain_is_a_fault_at_its_place() {
+        let faults = |name: Value| DOCUMENT.faults(&json!({"kind": "a", "krl": {"file": name}}), "");
+        for name in ["../x", "", "a/b", ".x"] {
+            let found = faults(json!(name));
+            assert_eq!(
+                (found.len(), found[0].code, &*found[0].at),
+                (1, Code::UnknownFile, "/krl/file"),
+                "{name}"
+            );
+        }
+        assert_eq!(faults(json!(5))[0].code, Code::WrongType);
+        assert_eq!(faults(json!("milling.src")), []);
+    }
 }

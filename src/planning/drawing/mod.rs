@@ -9,14 +9,30 @@
 //! converted or shown by many viewers of SVG does not have; then both views or the wrong one would show. Two
 //! files are right wherever they are shown, as an `<img>` too, and each says on itself which view it is.
 
+pub mod axis;
+pub mod bands;
+pub mod chart;
+pub mod comparison;
+pub mod contour;
+pub mod joints;
 pub mod label;
+pub mod mark;
+pub mod milling;
+pub mod optimum;
+pub mod page;
 pub mod piece;
 pub mod roll;
+pub mod section;
 pub mod sheet;
 pub mod sketch;
 pub mod svg;
+pub mod thin;
 pub mod window;
 
+#[cfg(test)]
+mod honeycomb_tests;
+#[cfg(test)]
+mod table1;
 #[cfg(test)]
 mod tests;
 

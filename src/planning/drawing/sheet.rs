@@ -1,6 +1,8 @@
 //! The paper of a drawing: its heading, which names the view, its legend, its scale.
 
 use super::View;
+use super::axis::is_shown;
+use super::mark::Mark;
 use super::svg::{Anchor, Path, Spot, Svg, spot};
 use crate::planning::program::number::fixed;
 use crate::planning::tape::input::TapeInput;
@@ -75,8 +77,34 @@ pub fn scale_text(denominator: f64) -> String {
 /// A number for people: at most three decimals, no zeros after them.
 #[must_use]
 pub fn plain(value: f64) -> String {
-    let text = fixed(value, 3);
+    figure(value, 3)
+}
+
+/// A number that may be anything, for people: so many decimals, no zeros after them; a dash for what is none or is
+/// larger than anything that is drawn.
+#[must_use]
+pub fn figure(value: f64, decimals: usize) -> String {
+    if !is_shown(value) {
+        return "\u{2013}".to_owned();
+    }
+    let text = fixed(value, decimals);
     text.strip_suffix(".0").map(str::to_owned).unwrap_or(text)
+}
+
+/// A text in lines that are no wider than a sheet; a word that is wider has a line of its own.
+#[must_use]
+pub fn wrapped(text: &str, size_mm: f64, width_mm: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if text_width(line, size_mm) + text_width(word, size_mm) + size_mm <= width_mm => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
 }
 
 /// What stands at the top of a sheet.
@@ -105,17 +133,24 @@ pub fn view_words(view: View, input: &TapeInput) -> String {
     }
 }
 
-/// Draws a heading and gives the y below it.
+/// Draws the heading of a sheet that shows tape and gives the y below it.
 pub fn draw_heading(svg: &mut Svg, heading: &Heading, view: View, input: &TapeInput) -> f64 {
-    let mut y = MARGIN_MM + 4.0;
-    svg.text("title", spot(MARGIN_MM, y), Anchor::Start, &heading.title);
-    y += 6.0;
-    svg.text("view head", spot(MARGIN_MM, y), Anchor::Start, &view_words(view, input));
-    for line in &heading.lines {
-        y += 4.5;
-        svg.text("", spot(MARGIN_MM, y), Anchor::Start, line);
-    }
+    let y = draw_title(svg, &heading.title, &[view_words(view, input)], &heading.lines);
     draw_axes(svg, view);
+    y
+}
+
+/// Draws a title, lines that say from where something is seen, further lines, and gives the y below.
+pub fn draw_title(svg: &mut Svg, title: &str, seen: &[String], lines: &[String]) -> f64 {
+    const LINE_MM: f64 = 4.5;
+    let mut y = MARGIN_MM + 4.0;
+    svg.text("title", spot(MARGIN_MM, y), Anchor::Start, title);
+    y += 1.5;
+    let seen = seen.iter().map(|line| ("view head", line));
+    for (class, line) in seen.chain(lines.iter().map(|line| ("", line))) {
+        y += LINE_MM;
+        svg.text(class, spot(MARGIN_MM, y), Anchor::Start, line);
+    }
     y + 4.0
 }
 
@@ -161,6 +196,10 @@ pub enum Sample {
     Knife(usize, bool),
     /// A disc of that class.
     Disc(&'static str),
+    /// An area of that class.
+    Area(&'static str),
+    /// A mark in that colour.
+    Mark(Mark, &'static str),
 }
 
 /// Draws a legend in lines as long as the sheet and gives the y below it.
@@ -190,6 +229,8 @@ fn draw_sample(svg: &mut Svg, sample: &Sample, at: Spot, width: f64) {
         Sample::Hatched(id) => svg.hatched_rect(id, spot(at.x, at.y - 1.5), width, 3.0),
         Sample::Knife(cutter, down) => draw_knife(svg, *cutter, *down, middle),
         Sample::Disc(class) => svg.disc(class, middle, EDGE_POINT_MM),
+        Sample::Area(class) => svg.rect(class, spot(at.x, at.y - 1.5), width, 3.0),
+        Sample::Mark(mark, ink) => mark.draw(svg, ink, middle),
     }
 }
 
@@ -235,6 +276,23 @@ pub fn draw_scale_bar(svg: &mut Svg, at: Spot, denominator: f64, words: &str) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn any_number_can_be_written() {
+        assert_eq!(
+            [12.5, 12.0, -0.0001, f64::NAN].map(|value| figure(value, 3)),
+            ["12.5", "12", "0", "\u{2013}"]
+        );
+    }
+
+    #[test]
+    fn a_long_text_is_wrapped_between_words() {
+        let text = "the quick brown fox jumps over the lazy dog ".repeat(9);
+        let lines = wrapped(text.trim(), TEXT_MM, 100.0);
+        assert!(lines.len() > 5 && lines.iter().all(|line| text_width(line, TEXT_MM) <= 100.0), "{lines:?}");
+        assert_eq!(lines.join(" "), text.trim());
+        assert_eq!(wrapped("unbreakable", TEXT_MM, 1.0), ["unbreakable"]);
+    }
 
     #[test]
     fn scales_are_customary_and_never_too_large() {

@@ -43,6 +43,8 @@ pub enum Anchor {
 #[derive(Debug, Default)]
 pub struct Svg {
     body: String,
+    /// What this kind of drawing has beyond the style sheet of all.
+    style: &'static str,
 }
 
 /// The outline of a shape: any number of open or closed parts.
@@ -79,6 +81,13 @@ impl Path {
 }
 
 impl Svg {
+    /// A drawing that needs a style sheet of its own beyond that of all. Drawings may share one page, so its
+    /// classes must differ from all others.
+    #[must_use]
+    pub fn with_style(style: &'static str) -> Self {
+        Self { body: String::new(), style }
+    }
+
     /// Draws into a group. Its title is what a browser shows when the pointer rests on it; none if empty.
     pub fn group<T>(&mut self, class: &str, title: &str, draw: impl FnOnce(&mut Self) -> T) -> T {
         self.body.push_str("<g");
@@ -139,14 +148,28 @@ impl Svg {
         self.body.push_str("/>\n");
     }
 
+    /// An area as of [`Svg::area`], hatched as of [`Svg::hatched_rect`].
+    pub fn hatched_area(&mut self, id: &str, path: &Path, title: &str) {
+        if path.is_empty() {
+            return;
+        }
+        self.body.push_str("<path fill-rule=\"evenodd\"");
+        self.attribute("fill", &format!("url(#{id})"));
+        self.attribute("d", &path.data);
+        self.close_with_title("path", title);
+    }
+
     /// Defines the hatching of [`Svg::hatched_rect`].
     pub fn hatching(&mut self, id: &str) {
+        self.pattern(id, "M-.5 .5L.5 -.5M0 2L2 0M1.5 2.5L2.5 1.5");
+    }
+
+    /// Defines a hatching by the lines in a square of 2 mm that is repeated, as the `d` of a path.
+    pub fn pattern(&mut self, id: &str, lines: &'static str) {
         self.body.push_str("<defs><pattern");
         self.attribute("id", id);
         self.body.push_str(" patternUnits=\"userSpaceOnUse\" width=\"2\" height=\"2\">");
-        self.body.push_str(
-            "<path class=\"hatch\" d=\"M-.5 .5L.5 -.5M0 2L2 0M1.5 2.5L2.5 1.5\"/></pattern></defs>\n",
-        );
+        let _ = writeln!(self.body, "<path class=\"hatch\" d=\"{lines}\"/></pattern></defs>");
     }
 
     /// A line of text; the place is that of its baseline.
@@ -170,7 +193,7 @@ impl Svg {
     #[must_use]
     pub fn finish(self, width_mm: f64, height_mm: f64, title: &str, description: &str) -> String {
         let (width, height) = (number(width_mm), number(height_mm));
-        let mut text = String::with_capacity(self.body.len() + STYLE.len() + 1024);
+        let mut text = String::with_capacity(self.body.len() + STYLE.len() + self.style.len() + 1024);
         // Writing to a String cannot fail.
         let _ = write!(
             text,
@@ -182,7 +205,8 @@ impl Svg {
         escape(description, &mut text);
         let _ = write!(
             text,
-            "</desc>\n<style>\n{STYLE}</style>\n<rect class=\"paper\" width=\"{width}\" height=\"{height}\"/>\n"
+            "</desc>\n<style>\n{STYLE}{}</style>\n<rect class=\"paper\" width=\"{width}\" height=\"{height}\"/>\n",
+            self.style
         );
         text.push_str(&self.body);
         text.push_str("</svg>\n");

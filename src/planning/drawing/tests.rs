@@ -54,7 +54,7 @@ fn short_ply() -> (TapePlan, TapeInput) {
     planned(job(75.0, 1, &boundary, &[]))
 }
 
-fn parsed(drawings: &[Drawing]) -> Vec<(&str, Document<'_>)> {
+pub(super) fn parsed(drawings: &[Drawing]) -> Vec<(&str, Document<'_>)> {
     drawings.iter().map(|drawing| (drawing.name.as_str(), Document::parse(&drawing.svg).unwrap())).collect()
 }
 
@@ -62,15 +62,15 @@ fn drawn<'a>(drawings: &'a [Drawing], name: &str) -> Document<'a> {
     Document::parse(&drawings.iter().find(|drawing| drawing.name == name).unwrap().svg).unwrap()
 }
 
-fn classes<'a>(node: &Node<'a, '_>) -> Vec<&'a str> {
+pub(super) fn classes<'a>(node: &Node<'a, '_>) -> Vec<&'a str> {
     node.attribute("class").unwrap_or_default().split(' ').collect()
 }
 
-fn of_class<'a, 'd>(within: Node<'a, 'd>, class: &'a str) -> impl Iterator<Item = Node<'a, 'd>> {
+pub(super) fn of_class<'a, 'd>(within: Node<'a, 'd>, class: &'a str) -> impl Iterator<Item = Node<'a, 'd>> {
     within.descendants().filter(move |node| classes(node).contains(&class))
 }
 
-fn attribute(node: &Node, name: &str) -> f64 {
+pub(super) fn attribute(node: &Node, name: &str) -> f64 {
     node.attribute(name).unwrap().parse().unwrap()
 }
 
@@ -79,7 +79,7 @@ fn cutter(node: &Node) -> usize {
     if classes(node).contains(&"cutter-1") { 0 } else { 1 }
 }
 
-fn path(node: &Node) -> Vec<Point2> {
+pub(super) fn path(node: &Node) -> Vec<Point2> {
     let data = node.attribute("d").unwrap();
     let points = data.split(['M', 'L', 'Z']).filter(|part| !part.is_empty());
     let number = |part: Option<&str>| part.unwrap().parse::<f64>().unwrap();
@@ -92,7 +92,7 @@ fn path(node: &Node) -> Vec<Point2> {
 }
 
 /// The denominators of all scales that the words of a drawing name, in their order.
-fn scales(document: &Document) -> Vec<f64> {
+pub(super) fn scales(document: &Document) -> Vec<f64> {
     let bars = of_class(document.root(), "scale-bar").filter_map(|bar| {
         let words = bar.children().find(|node| node.has_tag_name(("http://www.w3.org/2000/svg", "text")))?;
         words

@@ -5,7 +5,10 @@
 //! `dialect`-free data types, so that a fault of one is seen by the other.
 
 pub mod events;
+pub mod krl;
 pub mod moves;
 pub mod nc;
 pub mod number;
 pub mod replay;
+pub mod robot_events;
+pub mod robot_moves;

@@ -46,7 +46,8 @@ pub struct Course {
     pub normals: Vec<Vector3>,
 }
 
-/// Checks an input and takes it over.
+/// Checks an input and takes it over. What it names in a file is not there for this: [`super::file::listed`] puts
+/// it there first.
 ///
 /// # Errors
 /// Every fault with its JSON pointer.
@@ -76,12 +77,7 @@ pub fn check(input: &wire::TapeCut, catalogue: &Catalogue) -> Result<TapeInput, 
 /// What the contract names and the planner does not do yet is refused, not passed over.
 fn unsupported(input: &wire::TapeCut) -> Vec<Finding> {
     let options = &input.options;
-    let file = "reading a file beside the job is not supported yet; list the points in the job document";
-    let holes_from_file = input.holes.iter().any(|hole| hole.file.is_some());
     let cases = [
-        (input.boundary.file.is_some(), "/input/boundary/file", file),
-        (holes_from_file, "/input/holes", file),
-        (matches!(input.tracks, Some(wire::Tracks::File { .. })), "/input/tracks/file", file),
         (input.courses.is_some(), "/input/courses", "generating courses is not supported yet; send tracks"),
         (
             options.on_excess == wire::OnExcess::Simplify,

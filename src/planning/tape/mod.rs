@@ -1,13 +1,14 @@
 //! Two-cutter cutting of prepreg tape (domain: two-step automated tape laying).
 //!
-//! In the order in which a job passes through: `wire` (as it stands in JSON) -> `input`, `outline` and
-//! `machine` (checked) -> `develop` -> `piece` -> `chain` -> `roll` (with `front`) -> `assign` -> `stroke` ->
-//! `timeline`. `plan` puts the geometric steps together, `report` writes the figures.
+//! In the order in which a job passes through: `wire` (as it stands in JSON) -> `file` (what stands in files) ->
+//! `input`, `outline` and `machine` (checked) -> `develop` -> `piece` -> `chain` -> `roll` (with `front`) ->
+//! `assign` -> `stroke` -> `timeline`. `plan` puts the geometric steps together, `report` writes the figures.
 
 pub mod assign;
 pub mod chain;
 pub mod curve;
 pub mod develop;
+pub mod file;
 pub mod front;
 pub mod input;
 pub mod machine;
@@ -24,6 +25,7 @@ use self::input::TapeInput;
 use self::plan::TapePlan;
 use self::report::TapeReport;
 use super::budget::Budget;
+use super::document::files::Files;
 use super::drawing::drawings;
 use super::finding::{Code, Finding};
 use super::outcome::{Outcome, ProgramFile};
@@ -37,15 +39,16 @@ pub const PROGRAM_NAME: &str = "roll.ngc";
 /// replay has passed.
 ///
 /// # Errors
-/// Every fault of the input.
+/// Every fault of the input and of the files that it names.
 pub fn plan(
     input: &wire::TapeCut,
+    files: &Files,
     catalogue: &machine::Catalogue,
     input_sha256: &str,
     budget: &Budget<'_>,
 ) -> Result<Outcome, Vec<Finding>> {
     budget.stage("check");
-    let input = input::check(input, catalogue)?;
+    let input = take_over(input, files, catalogue)?;
     let mut findings = input.findings.clone();
     let planned = plan::plan(&input, budget, &mut findings).and_then(|plan| {
         let program = write(&plan, &input, input_sha256, budget)?;
@@ -58,6 +61,19 @@ pub fn plan(
             Outcome::new("tape-cut", input_sha256, findings, vec![], vec![], None::<TapeReport>)
         }
     })
+}
+
+/// Reads what is in files and checks all of it; a file that cannot be read hides no other fault.
+fn take_over(
+    input: &wire::TapeCut,
+    files: &Files,
+    catalogue: &machine::Catalogue,
+) -> Result<TapeInput, Vec<Finding>> {
+    let listed = file::listed(input, files).map_err(|mut faults| {
+        faults.extend(input::check(input, catalogue).err().unwrap_or_default());
+        faults
+    })?;
+    input::check(listed, catalogue)
 }
 
 /// A program as it was written, not yet replayed.
@@ -140,16 +156,17 @@ fn too_long(name: &str, text: &str, most: usize) -> Option<Finding> {
 /// that this job gives is said to, even if its cuts are right.
 ///
 /// # Errors
-/// Every fault of the input.
+/// Every fault of the input and of the files that it names.
 pub fn check(
     input: &wire::TapeCut,
+    files: &Files,
     catalogue: &machine::Catalogue,
     input_sha256: &str,
     name: &str,
     text: &str,
     budget: &Budget<'_>,
 ) -> Result<(String, Vec<Finding>), Vec<Finding>> {
-    let input = input::check(input, catalogue)?;
+    let input = take_over(input, files, catalogue)?;
     let mut findings = Vec::new();
     let plan = match plan::plan(&input, budget, &mut findings) {
         Ok(plan) => plan,

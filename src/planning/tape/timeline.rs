@@ -279,10 +279,13 @@ impl<'a> Merge<'a> {
 
     /// Moves all axes to a pose; says whether that was a move at all.
     fn move_to(&mut self, to: Pose) -> bool {
+        // What differs beyond the printed digits only is no move.
+        let to = printed(to);
         if to == self.pose {
             return false;
         }
-        let pace = self.pace(&self.pose, &to);
+        let mut pace = self.pace(&self.pose, &to);
+        pace.cruise_s = pace.cruise_s.max(SHORTEST_MOVE_S);
         self.program.time_s += pace.rest_to_rest_s();
         self.program.steps.push(Step::Move { to, cruise_s: pace.cruise_s });
         self.pose = to;
@@ -308,6 +311,19 @@ impl<'a> Merge<'a> {
             pace.hold(turn, cutter.blade_speed.deg_s(), cutter.blade_acceleration.deg_s2());
         }
         pace
+    }
+}
+
+/// No move is shorter than this, in s: a control takes about a millisecond for a block, and the feed word of a shorter one
+/// (60 / s) would be longer than other controls read.
+const SHORTEST_MOVE_S: f64 = 0.001;
+
+/// A pose as a program prints it.
+fn printed(pose: Pose) -> Pose {
+    Pose {
+        feed_mm: rounded(pose.feed_mm, DECIMALS),
+        lateral_mm: pose.lateral_mm.map(|value| rounded(value, DECIMALS)),
+        blade_deg: pose.blade_deg.map(|value| rounded(value, DECIMALS)),
     }
 }
 

@@ -15,6 +15,8 @@ const MOST_POINTS: usize = 5_000_000;
 const MOST_LOOPS: usize = 10_000;
 /// Far above the speed or acceleration of any machine, in mm/s, mm/s^2, deg/s or deg/s^2.
 const LARGEST_RATE: f64 = 1e6;
+/// Narrower than any tape that is slit, in mm; what is meant in metres or inches is found so.
+const NARROWEST_MM: f64 = 1.0;
 /// The longest dwell in s.
 const LONGEST_DWELL_S: f64 = 10.0;
 /// A control whose lines are shorter, in characters, takes no program: the header alone is longer, and a block that
@@ -360,10 +362,9 @@ pub struct Program {
 }
 
 const POINT: Shape = Shape::Triple { limit: LARGEST_MM };
-const FILE_NAME: Shape = Shape::Text { max_chars: 255 };
 const OUTLINE: Shape = Shape::Object(&[
     optional("points", Shape::Array { item: &POINT, min: 0, max: MOST_POINTS }),
-    optional("file", FILE_NAME),
+    optional("file", Shape::FileName),
 ]);
 const TRACK_POINT: Shape = Shape::Object(&[required("position", POINT), required("normal", POINT)]);
 const TRACK: Shape = Shape::Object(&[
@@ -447,7 +448,7 @@ pub const TAPE_CUT: &[Field] = &[
     required(
         "tape",
         Shape::Object(&[
-            required("width_mm", Shape::Positive { max: 2_000.0 }),
+            required("width_mm", Shape::Number { min: NARROWEST_MM, max: 2_000.0 }),
             required("thickness_mm", Shape::Positive { max: 10.0 }),
         ]),
     ),

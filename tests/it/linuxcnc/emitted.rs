@@ -6,6 +6,7 @@ use std::path::Path;
 use bladeplan::planning::attempt::plan;
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document;
+use bladeplan::planning::document::files::Files;
 use bladeplan::planning::program::events::{Event, Positions};
 use bladeplan::planning::program::moves::{Pose, Step, TapeProgram};
 use bladeplan::planning::program::nc::emit::emit;
@@ -155,7 +156,9 @@ fn every_planned_ply_agrees_with_our_reader() {
 fn the_example_agrees_with_our_reader() {
     let home = Path::new(env!("CARGO_MANIFEST_DIR"));
     let job = fs::read(home.join("examples/wing-skin-trapezoid-45.job.json")).unwrap();
-    let planned = plan(&document::read(&job).unwrap(), &Catalogue::built_in(), &Budget::unwatched()).unwrap();
+    let planned =
+        plan(&document::read(&job).unwrap(), &Files::default(), &Catalogue::built_in(), &Budget::unwatched())
+            .unwrap();
     agrees(&planned.programs[0].text).unwrap();
 }
 

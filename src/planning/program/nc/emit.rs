@@ -13,8 +13,11 @@ use crate::planning::tape::stroke::DECIMALS;
 /// Decimals of the feed word.
 const FEED_DECIMALS: usize = 4;
 
-/// The move into place at a restart may take so long, in s: the whole travel of any carriage is then slow.
+/// The move into place at a restart takes at least so long, in s: the whole travel of any carriage is then slow.
 const RESTORE_S: f64 = 60.0;
+
+/// The tape is brought to a place of restart at this share of its speed at most.
+const RESTORE_SHARE: f64 = 0.2;
 
 /// Modal state that every place needs from which the program may be started.
 const MODES: &str = "G21 G90 G17 G40 G49 G61 G93";
@@ -82,7 +85,9 @@ impl Writer<'_> {
         self.output(machine.ultrasonic_output, true);
         let here = self.pose;
         self.all_axes = true;
-        self.move_to(&here, RESTORE_S);
+        // The tape may have to come all the way from its beginning.
+        let tape_s = here.feed_mm / (RESTORE_SHARE * machine.feed.max_speed.mm_s());
+        self.move_to(&here, tape_s.max(RESTORE_S));
     }
 
     fn output(&mut self, number: u32, on: bool) {

@@ -1,0 +1,154 @@
+//! The robot cell of a honeycomb job, checked; and what a program is written with where none is given.
+
+use super::wire;
+use crate::planning::finding::{Code, Finding};
+use crate::planning::geometry::frame::{Frame, Pose};
+use crate::planning::outcome::sha256_hex;
+use crate::planning::program::robot_moves::{Joints, RobotSetup, Speeds, ToolDirection};
+use crate::planning::robot::arm::{self, Catalogue};
+use crate::planning::robot::check::Robot;
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// A robot cell.
+#[derive(Debug, Clone)]
+pub struct Cell {
+    /// The arm in its cell; none where the job names no cell.
+    pub robot: Option<Robot>,
+    /// Name of the arm, and the hash of the whole cell: a program is for this cell and no other.
+    pub identity: Option<Identity>,
+    /// The tip in the flange.
+    pub tool: Frame,
+    /// The part in the robot's frame.
+    pub base: Frame,
+    /// Along which axis of its frame the tool points.
+    pub tool_direction: ToolDirection,
+    /// Where programs begin and end.
+    pub home: Joints,
+    /// The longest sub-program, in lines.
+    pub max_lines: usize,
+    /// The digital output of the ultrasonic generator.
+    pub ultrasonic_output: u32,
+    /// How far the end of a free move may be rounded off.
+    pub blend_mm: f64,
+}
+
+/// Which cell a program is for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Identity {
+    /// The name of the arm.
+    pub name: String,
+    /// SHA-256 of the cell as JSON, in lower-case hex.
+    pub sha256: String,
+}
+
+/// Candle position of a KUKA arm with the forearm level: where programs without a cell begin.
+const USUAL_HOME: Joints = [0.0, -90.0, 90.0, 0.0, 0.0, 0.0];
+
+/// Checks a cell and takes it over.
+pub fn check(cell: Option<&wire::Cell>, faults: &mut Vec<Finding>) -> Cell {
+    const AT: &str = "/input/cell";
+    let Some(cell) = cell else { return Cell::unknown() };
+    let found = arm::resolve(&cell.robot, &Catalogue::built_in(), &format!("{AT}/robot")).and_then(|arm| {
+        let name = arm.name.clone();
+        Robot::new(arm, cell.tool_frame.pose(), cell.base_frame.pose(), cell.home_deg)
+            .map(|robot| (robot, name))
+    });
+    let (robot, name) = match found {
+        Ok((robot, name)) => (Some(robot), name),
+        Err(found) => {
+            faults.extend(found);
+            (None, String::new())
+        }
+    };
+    if let Some(robot) = &robot {
+        faults.extend(home_faults(robot, AT));
+    }
+    let text = serde_json::to_vec(cell).unwrap_or_default();
+    Cell {
+        robot,
+        identity: Some(Identity { name, sha256: sha256_hex(&text) }),
+        tool: cell.tool_frame,
+        base: cell.base_frame,
+        tool_direction: match cell.tool_direction {
+            wire::ToolDirection::Z => ToolDirection::Z,
+            wire::ToolDirection::X => ToolDirection::X,
+        },
+        home: cell.home_deg,
+        max_lines: cell.max_program_lines as usize,
+        ultrasonic_output: cell.ultrasonic_output,
+        blend_mm: cell.blend_mm,
+    }
+}
+
+fn home_faults(robot: &Robot, at: &str) -> Vec<Finding> {
+    let joints = robot.home().iter().zip(&robot.arm().joints).enumerate();
+    joints
+        .filter(|(_, (angle, joint))| !(joint.min_deg..=joint.max_deg).contains(*angle))
+        .map(|(index, (angle, joint))| {
+            let message = format!(
+                "A{} is {angle} degrees; it goes from {} to {}",
+                index + 1,
+                joint.min_deg,
+                joint.max_deg
+            );
+            Finding::error(Code::OutOfRange, format!("{at}/home_deg/{index}"), message)
+        })
+        .collect()
+}
+
+impl Cell {
+    /// What programs are written with where no cell is given: frames that a person has to set.
+    fn unknown() -> Self {
+        Self {
+            robot: None,
+            identity: None,
+            tool: Frame::default(),
+            base: Frame::default(),
+            tool_direction: ToolDirection::Z,
+            home: USUAL_HOME,
+            max_lines: wire::MOST_LINES as usize,
+            ultrasonic_output: wire::FIRST_OUTPUT,
+            blend_mm: wire::BLEND_MM,
+        }
+    }
+
+    /// What a control must know before the first move.
+    #[must_use]
+    pub fn setup(&self, process: &wire::Process, speeds: Speeds, approach: Option<Joints>) -> RobotSetup {
+        RobotSetup {
+            tool: self.tool,
+            base: self.base,
+            tool_direction: self.tool_direction,
+            home: self.home,
+            approach,
+            speeds,
+            // What is rounded off stays above the blank.
+            blend_mm: self.blend_mm.min(process.safety_distance_mm),
+            ultrasonic_output: self.ultrasonic_output,
+            max_lines: self.max_lines,
+        }
+    }
+
+    /// A neutral pose, whose Z points out through the tip, as the robot's tool frame has it.
+    #[must_use]
+    pub fn as_programmed(&self, neutral: &Pose) -> Pose {
+        match self.tool_direction {
+            ToolDirection::Z => *neutral,
+            ToolDirection::X => Pose::from_parts(neutral.translation, neutral.rotation * x_to_z().inverse()),
+        }
+    }
+
+    /// The other way round.
+    #[must_use]
+    pub fn as_neutral(&self, programmed: &Pose) -> Pose {
+        match self.tool_direction {
+            ToolDirection::Z => *programmed,
+            ToolDirection::X => Pose::from_parts(programmed.translation, programmed.rotation * x_to_z()),
+        }
+    }
+}
+
+/// The turn after which Z points where X did.
+fn x_to_z() -> UnitQuaternion<f64> {
+    UnitQuaternion::from_axis_angle(&Vector3::y_axis(), std::f64::consts::FRAC_PI_2)
+}
