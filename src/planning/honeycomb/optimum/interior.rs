@@ -4,7 +4,9 @@
 //! and no unit matters. With p as an unknown the model is smooth: p >= the turn and p >= the travel of a step take
 //! the place of the larger of both (Eq. 9). All loads r(i) are to stay below 1:
 //!
-//!     least f - mu * sum of ln(1 - r(i)), mu -> 0
+//! ```text
+//! least f - mu * sum of ln(1 - r(i)), mu -> 0
+//! ```
 //!
 //! by Newton steps on the primal and dual variables (Nocedal and Wright, Numerical Optimization, chapter 19), with
 //! first and second derivatives by dual numbers.

@@ -6,7 +6,9 @@
 //! with n >= 0, -h dT/dh and -s dT/ds are sums of positive terms, `fall_h` and `fall_s` below. The way to the next
 //! point lasts the longer of turning and travelling (its *leg*). So
 //!
-//!     least T at (alpha, kappa) = max over pieces and legs of T(piece, leg; alpha, kappa),
+//! ```text
+//! least T at (alpha, kappa) = max over pieces and legs of T(piece, leg; alpha, kappa),
+//! ```
 //!
 //! and each of the eight is smooth, and a bound from below of the whole.
 
