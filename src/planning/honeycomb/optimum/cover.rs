@@ -7,11 +7,15 @@
 //! - for a piece and a leg, the time at a point less what the slopes within the patch can take off on the way from
 //!   there to its ends (a mean value form: what it misses shrinks with the square of the patch);
 //! - the same for the mean of the pieces and legs, weighted with the multipliers of the best set known: its slopes
-//!   vanish there, so that patches around an optimum on a ridge between two pieces need not be tiny.
+//!   vanish there, so that patches around an optimum on a ridge between two pieces need not be tiny;
+//! - where one of alpha and kappa is settled by a slope and the time is convex along the other: its tangent at the
+//!   best set known, which is level, so that one patch around it does.
 
+use super::jet::Jet;
+use super::line::Line;
 use super::patch::{Edge, Leg, Patch, Piece, Spread, largest_spacing_mm, least_time_s, piece_time_s};
 use super::span::Span;
-use crate::planning::honeycomb::model::{Model, Parameters, Swing};
+use crate::planning::honeycomb::model::{Model, Parameters};
 use crate::planning::tolerance::OPTIMUM_GAP;
 
 /// Weights of pieces and legs, that add up to 1.
@@ -21,6 +25,8 @@ pub(super) type Weights = [((Piece, Leg), f64); 8];
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Incumbent {
     pub time_s: f64,
+    /// Its alpha in rad and its kappa.
+    pub place: [f64; 2],
     pub weights: Weights,
 }
 
@@ -44,8 +50,9 @@ pub(super) struct Cover<'a> {
     pub patches: usize,
 }
 
-/// More patches than any problem has needed, by a factor of ten: what is left then is bounded coarsely.
-const MOST_PATCHES: usize = 20_000;
+/// Most problems need some dozens of patches, one in a hundred thousand 20,000, where an optimum is held by no limit on
+/// alpha and kappa; what is left beyond this is bounded coarsely.
+const MOST_PATCHES: usize = 500_000;
 
 /// A patch with sides below this share of the plane's is not split further: its corners are one point.
 const SMALLEST_SIDE: f64 = 1e-13;
@@ -68,7 +75,7 @@ impl<'a> Cover<'a> {
             if coarse_s >= enough_s {
                 continue;
             }
-            let look = Look::at(self.model, patch, &incumbent.weights, enough_s);
+            let look = Look::at(self.model, patch, incumbent, enough_s);
             match look.verdict() {
                 Verdict::GivenUp => {}
                 Verdict::Shrunk(patch) => self.open.push(patch),
@@ -110,17 +117,17 @@ struct Look<'a> {
     model: &'a Model,
     patch: Patch,
     middle: Edge,
-    weights: &'a Weights,
+    goal: &'a Incumbent,
     enough_s: f64,
 }
 
 type Pieces = [Option<Piece>; 4];
 
 impl<'a> Look<'a> {
-    fn at(model: &'a Model, patch: Patch, weights: &'a Weights, enough_s: f64) -> Self {
+    fn at(model: &'a Model, patch: Patch, goal: &'a Incumbent, enough_s: f64) -> Self {
         let angle = Span::new(patch.low.swing.angle, patch.high.swing.angle);
         let middle = if angle.low == angle.high { patch.low } else { Edge::at(model, middle(angle)) };
-        Self { model, patch, middle, weights, enough_s }
+        Self { model, patch, middle, goal, enough_s }
     }
 
     fn verdict(&self) -> Verdict {
@@ -128,7 +135,8 @@ impl<'a> Look<'a> {
         if patch.low.swing.angle == 0.0 {
             return Verdict::Split(Side::Angle);
         }
-        let pieces = self.deciding();
+        let spread = patch.spread();
+        let pieces = self.deciding(&spread);
         if pieces.iter().flatten().all(|piece| piece.falls_with_share()) && patch.share.low < 1.0 {
             // Only the edge at the largest kappa counts, and that is the next patch's unless it is the plane's.
             let edge = Patch { share: Span::at(1.0), ..*patch };
@@ -137,20 +145,17 @@ impl<'a> Look<'a> {
         if patch.share.low == 0.0 {
             return Verdict::Split(Side::Share);
         }
-        self.verdict_by_slopes(&pieces)
+        self.verdict_by_slopes(&pieces, &spread)
     }
 
     /// The pieces that have the smallest layer spacing anywhere in the patch.
-    fn deciding(&self) -> Pieces {
-        let spread = self.patch.spread();
-        let spacings = Piece::ALL.map(|piece| (piece, spread.sizes(self.model, piece).spacing));
+    fn deciding(&self, spread: &Spread) -> Pieces {
+        let spacings = Piece::ALL.map(|piece| (piece, spread.spacing(self.model, piece)));
         let least = spacings.iter().map(|(_, spacing)| spacing.high).fold(f64::INFINITY, f64::min);
         spacings.map(|(piece, spacing)| (spacing.low <= least).then_some(piece))
     }
 
-    fn verdict_by_slopes(&self, pieces: &Pieces) -> Verdict {
-        let spread = self.patch.spread();
-        let edge = Patch { share: Span::at(self.patch.share.high), ..self.patch }.spread();
+    fn verdict_by_slopes(&self, pieces: &Pieces, spread: &Spread) -> Verdict {
         let mut best: Option<Bound> = None;
         let mut together: Option<[Span; 2]> = None;
         let mut known = true;
@@ -163,19 +168,17 @@ impl<'a> Look<'a> {
                 };
                 together =
                     Some(together.map_or(slopes, |seen| [seen[0].with(slopes[0]), seen[1].with(slopes[1])]));
-                let slopes = if piece.falls_with_share() {
-                    edge.slopes(self.model, &edge.sizes(self.model, *piece), leg).unwrap_or(slopes)
-                } else {
-                    slopes
-                };
-                let bound =
-                    self.bound(slopes, |swing, ratio| piece_time_s(self.model, (*piece, leg), swing, ratio));
+                let slopes = self.slopes_at_least(*piece, leg, slopes);
+                let bound = self.bound(slopes, &[((*piece, leg), 1.0)]);
+                if bound.time_s >= self.enough_s {
+                    return Verdict::GivenUp;
+                }
                 if best.is_none_or(|best| bound.time_s > best.time_s) {
                     best = Some(bound);
                 }
             }
         }
-        if let Some(bound) = self.weighted_bound(&spread)
+        if let Some(bound) = self.weighted_bound(spread)
             && best.is_none_or(|best| bound.time_s > best.time_s)
         {
             best = Some(bound);
@@ -189,31 +192,86 @@ impl<'a> Look<'a> {
             .unwrap_or_else(|| self.split(best, together))
     }
 
+    /// The slopes of a piece and a leg where it is least: at the largest kappa, where its time surely falls with it.
+    fn slopes_at_least(&self, piece: Piece, leg: Leg, slopes: [Span; 2]) -> [Span; 2] {
+        let share = self.patch.share;
+        if !piece.falls_with_share() || share.low == share.high {
+            return slopes;
+        }
+        let edge = Patch { share: Span::at(share.high), ..self.patch }.spread();
+        edge.slopes(self.model, &edge.sizes(self.model, piece), leg).unwrap_or(slopes)
+    }
+
     /// The bound of the weighted mean, if its pieces are within their domain.
     fn weighted_bound(&self, spread: &Spread) -> Option<Bound> {
-        let weights = || self.weights.iter().filter(|(_, weight)| *weight > 0.0);
-        if weights().count() < 2 {
-            return None;
-        }
         let mut mean = [Span::at(0.0); 2];
-        for ((piece, leg), weight) in weights() {
-            let slopes = spread.slopes(self.model, &spread.sizes(self.model, *piece), *leg)?;
-            mean = [mean[0] + slopes[0] * *weight, mean[1] + slopes[1] * *weight];
+        let mut weights = self.goal.weights;
+        let mut count = 0;
+        for index in 0..weights.len() {
+            let ((piece, leg), weight) = weights[index];
+            if weight > 0.0 {
+                let slopes = spread.slopes(self.model, &spread.sizes(self.model, piece), leg)?;
+                mean = [mean[0] + slopes[0] * weight, mean[1] + slopes[1] * weight];
+                weights.swap(count, index);
+                count += 1;
+            }
         }
-        let time = |swing: &Swing, ratio: f64| {
-            weights().map(|(which, weight)| weight * piece_time_s(self.model, *which, swing, ratio)).sum()
-        };
-        Some(self.bound(mean, time))
+        (count > 1).then(|| self.bound(mean, &weights[..count]))
+    }
+
+    /// The best bound of a mean of pieces and legs with these slopes.
+    fn bound(&self, slopes: [Span; 2], mean: &[((Piece, Leg), f64)]) -> Bound {
+        let mut bound = self.bound_by_slopes(slopes, mean);
+        if bound.time_s < self.enough_s
+            && let Some(time_s) = self.bound_by_tangent(slopes, mean)
+            && time_s >= self.enough_s
+        {
+            bound.time_s = time_s;
+        }
+        bound
     }
 
     /// From the end toward which the time surely falls, or from the middle.
-    fn bound(&self, slopes: [Span; 2], time: impl Fn(&Swing, f64) -> f64) -> Bound {
+    fn bound_by_slopes(&self, slopes: [Span; 2], mean: &[((Piece, Leg), f64)]) -> Bound {
         let Patch { low, high, share } = &self.patch;
         let half = [0.5 * (high.swing.angle - low.swing.angle), 0.5 * (share.high - share.low)];
         let edge = at_least(slopes[0], low, &self.middle, high);
         let ratio = edge.ratio(*at_least(slopes[1], &share.low, &middle(*share), &share.high));
         let losses = [0, 1].map(|d| if slopes[d].has_sign() { 0.0 } else { half[d] * slopes[d].magnitude() });
-        Bound { time_s: time(&edge.swing, ratio) - losses[0] - losses[1], losses }
+        let times =
+            mean.iter().map(|(which, weight)| weight * piece_time_s(self.model, *which, &edge.swing, ratio));
+        Bound { time_s: times.sum::<f64>() - losses[0] - losses[1], losses }
+    }
+
+    /// Where one of alpha and kappa is settled, and along the other the time is convex: from the tangent at the place
+    /// to beat, or the nearest to it.
+    fn bound_by_tangent(&self, slopes: [Span; 2], mean: &[((Piece, Leg), f64)]) -> Option<f64> {
+        let Patch { low, high, share } = &self.patch;
+        let [angle, kappa] = self.goal.place;
+        if slopes[1].has_sign() || share.low == share.high {
+            let kappa = *at_least(slopes[1], &share.low, &share.low, &share.high);
+            self.mean(&Line::along_angle(low, high, kappa), mean).filter(|jet| jet.curvature.low >= 0.0)?;
+            let ends = Span::new(low.swing.angle, high.swing.angle);
+            let at = ends.nearest(angle);
+            let edge = Edge::at(self.model, at);
+            Some(self.mean(&Line::along_angle(&edge, &edge, kappa), mean)?.tangent_least(at, ends))
+        } else if slopes[0].has_sign() || low.swing.angle == high.swing.angle {
+            let edge = at_least(slopes[0], low, low, high);
+            self.mean(&Line::along_share(edge, *share), mean).filter(|jet| jet.curvature.low >= 0.0)?;
+            let at = share.nearest(kappa);
+            Some(self.mean(&Line::along_share(edge, Span::at(at)), mean)?.tangent_least(at, *share))
+        } else {
+            None
+        }
+    }
+
+    /// A mean of pieces and legs along a line, if all of them are within their domain.
+    fn mean(&self, line: &Line, mean: &[((Piece, Leg), f64)]) -> Option<Jet> {
+        let mut sum = Jet::at(0.0);
+        for (which, weight) in mean {
+            sum = sum + line.time_s(self.model, *which)? * *weight;
+        }
+        Some(sum)
     }
 
     /// Where the time surely rises or falls throughout. The edge toward which it falls is kept where that is the

@@ -38,6 +38,8 @@ pub(super) struct Edge {
     pub swing: Swing,
     /// d `turn_s` / d alpha: it grows with alpha.
     pub turn_slope: f64,
+    /// d2 `turn_s` / d alpha2: it falls with alpha.
+    pub turn_curvature: f64,
 }
 
 /// A closed rectangle of the plane.
@@ -130,11 +132,17 @@ impl Edge {
     pub fn at(model: &Model, angle: f64) -> Self {
         let swing = model.swing(angle);
         let given = model.given();
-        let across = angle.sin().hypot(swing.cos * given.rake_rad.cos());
-        let slope = given.rake_rad.sin() * angle.sin() / across * (2.0 / given.angular_speed_rad_s);
-        // With theta = pi/2 the turn is 2 alpha / omega, at alpha = 0 too.
-        let turn_slope = if across > 0.0 { slope } else { 2.0 / given.angular_speed_rad_s };
-        Self { swing, turn_slope }
+        let (rake_sin, rake_cos) = given.rake_rad.sin_cos();
+        let (sin, per_rad) = (swing.tan * swing.cos, 2.0 / given.angular_speed_rad_s);
+        let squared = sin * sin + (swing.cos * rake_cos) * (swing.cos * rake_cos);
+        if squared <= 0.0 {
+            // With theta = pi/2 the turn is 2 alpha / omega, at alpha = 0 too.
+            return Self { swing, turn_slope: per_rad, turn_curvature: 0.0 };
+        }
+        let across = squared.sqrt();
+        let turn_slope = rake_sin * sin / across * per_rad;
+        let turn_curvature = rake_sin * swing.cos * rake_cos * rake_cos / (across * squared) * per_rad;
+        Self { swing, turn_slope, turn_curvature }
     }
 
     /// tan(kappa alpha).
@@ -191,6 +199,25 @@ impl Spread {
         [self.share * stretch, self.angle * stretch]
     }
 
+    /// The layer spacings in mm that it holds of a piece.
+    pub fn spacing(&self, model: &Model, piece: Piece) -> Span {
+        match piece {
+            Piece::CuttingLength => self.sec.recip() * model.depth_mm,
+            Piece::Layers => Span::at(model.max_layer_spacing_mm),
+            Piece::Scallop => self.scallop_height(model).recip() * model.given().max_scallop_mm,
+            Piece::Points => self.ratio.recip() * (0.5 * model.max_step_mm),
+        }
+    }
+
+    /// Eq. 12 with h = 1.
+    fn scallop_height(&self, model: &Model) -> Span {
+        let down = Span::new(1.0 + self.ratio.low / self.tan.high, 1.0 + self.ratio.high / self.tan.low);
+        match model.given().lattice {
+            Lattice::Interlaced => down,
+            Lattice::Orthogonal | Lattice::Free => (down.square() + self.ratio.square()).sqrt(),
+        }
+    }
+
     /// What it holds of a piece.
     pub fn sizes(&self, model: &Model, piece: Piece) -> Sizes {
         match piece {
@@ -203,7 +230,7 @@ impl Spread {
 
     /// h = k d cos(alpha), s = 2 h tan(kappa alpha).
     fn cutting_length(&self, model: &Model) -> Sizes {
-        let spacing = self.sec.recip() * model.depth_mm;
+        let spacing = self.spacing(model, Piece::CuttingLength);
         let [by_angle, by_share] = self.ratio_slopes();
         if self.share == Span::at(1.0) {
             // s = 2 k d sin(alpha), whose slope is cot(alpha).
@@ -227,7 +254,7 @@ impl Spread {
     /// h stays, s = 2 h tan(kappa alpha).
     fn layers(&self, model: &Model) -> Sizes {
         Sizes {
-            spacing: Span::at(model.max_layer_spacing_mm),
+            spacing: self.spacing(model, Piece::Layers),
             half_step: self.ratio * model.max_layer_spacing_mm,
             spacing_slopes: [Span::at(0.0); 2],
             step_slopes: self.ratio_slopes(),
@@ -238,7 +265,7 @@ impl Spread {
     fn points(&self, model: &Model) -> Sizes {
         let half_step = 0.5 * model.max_step_mm;
         Sizes {
-            spacing: self.ratio.recip() * half_step,
+            spacing: self.spacing(model, Piece::Points),
             half_step: Span::at(half_step),
             spacing_slopes: self.ratio_slopes().map(|slope| -slope),
             step_slopes: [Span::at(0.0); 2],
@@ -250,14 +277,11 @@ impl Spread {
     fn scallop(&self, model: &Model) -> Sizes {
         let scallop = model.given().max_scallop_mm;
         let steepness = self.ratio.recip() + self.tan.recip();
-        let down = Span::new(1.0 + self.ratio.low / self.tan.high, 1.0 + self.ratio.high / self.tan.low);
-        let (distance, height, gain) = match model.given().lattice {
-            Lattice::Interlaced => (steepness, down, steepness.recip()),
-            Lattice::Orthogonal | Lattice::Free => (
-                (steepness.square() + 1.0).sqrt(),
-                (down.square() + self.ratio.square()).sqrt(),
-                steepness.plus_recip().recip(),
-            ),
+        let (distance, gain) = match model.given().lattice {
+            Lattice::Interlaced => (steepness, steepness.recip()),
+            Lattice::Orthogonal | Lattice::Free => {
+                ((steepness.square() + 1.0).sqrt(), steepness.plus_recip().recip())
+            }
         };
         let [by_angle, by_share] = self.ratio_slopes();
         // d cot(x) = -(1 + cot(x)^2) dx.
@@ -265,7 +289,7 @@ impl Spread {
         let step_slopes =
             [gain * (self.share * turn + self.tan.recip().square() + 1.0), gain * self.angle * turn];
         Sizes {
-            spacing: height.recip() * scallop,
+            spacing: self.spacing(model, Piece::Scallop),
             half_step: distance.recip() * scallop,
             spacing_slopes: [step_slopes[0] - by_angle, step_slopes[1] - by_share],
             step_slopes,

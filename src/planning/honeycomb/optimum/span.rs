@@ -38,6 +38,12 @@ impl Span {
         Self::new(self.low * self.low, self.high * self.high)
     }
 
+    /// x^2, for any span.
+    pub fn any_square(self) -> Self {
+        let ends = Self::between(self.low * self.low, self.high * self.high);
+        if self.has_sign() { ends } else { Self::new(0.0, ends.high) }
+    }
+
     /// sqrt(x), for spans above 0.
     pub fn sqrt(self) -> Self {
         Self::new(self.low.sqrt(), self.high.sqrt())
@@ -48,6 +54,11 @@ impl Span {
         let at = |x: f64| x + x.recip();
         let ends = Self::between(at(self.low), at(self.high));
         if self.low < 1.0 && self.high > 1.0 { Self::new(2.0, ends.high) } else { ends }
+    }
+
+    /// The number in it that is nearest to another.
+    pub fn nearest(self, value: f64) -> f64 {
+        value.max(self.low).min(self.high)
     }
 
     /// All numbers of both, and between them.
@@ -144,7 +155,7 @@ mod tests {
             prop_assert!(holds(a + factor, x + factor) && holds(a * factor, x * factor));
             prop_assert!(holds(c.recip(), z.recip()) && holds(c.square(), z * z) && holds(c.sqrt(), z.sqrt()));
             prop_assert!(holds(c.plus_recip(), z + z.recip()));
-            prop_assert!(a.magnitude() >= x.abs());
+            prop_assert!(holds(a.any_square(), x * x) && a.magnitude() >= x.abs());
         }
     }
 }
