@@ -101,6 +101,8 @@ codes! {
     TooManyKnives,
     /// A pair of cuts that the published rule cannot allocate; the general rule was used.
     GeneralRule,
+    /// An outline was changed on its scrap side, because there are not enough knives for it.
+    OutlineSimplified,
     /// The tape or an axis does not reach far enough.
     AxisLimit,
     /// The step limit of a job is used up.

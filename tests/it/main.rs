@@ -33,5 +33,6 @@ mod section;
 mod served;
 mod shop_floor;
 mod shop_floor_runs;
+mod simplify;
 mod store;
 mod worker;

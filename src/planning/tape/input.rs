@@ -8,7 +8,7 @@ use crate::planning::geometry::{Point3, Vector3};
 use crate::planning::tolerance::{SAME_POINT_MM, UNIT_NORMAL, ZERO_NORMAL};
 use crate::planning::units::Length;
 
-pub use super::wire::RollOrder;
+pub use super::wire::{OnExcess, RollOrder};
 
 /// What the planner works on.
 #[derive(Debug, Clone)]
@@ -23,6 +23,8 @@ pub struct TapeInput {
     pub courses: Vec<Course>,
     /// The machine.
     pub machine: Machine,
+    /// What is done with a shape that too many knives would be needed for.
+    pub on_excess: OnExcess,
     /// How the pieces are wound on the cassette.
     pub roll_order: RollOrder,
     /// Scrap between pieces along U.
@@ -67,6 +69,7 @@ pub fn check(input: &wire::TapeCut, catalogue: &Catalogue) -> Result<TapeInput, 
         holes,
         courses,
         machine,
+        on_excess: input.options.on_excess,
         roll_order: input.options.roll_order,
         scrap_gap: Length::from_mm(input.options.scrap_gap_mm),
         tolerance: Length::from_mm(input.options.tolerance_mm),
@@ -79,11 +82,6 @@ fn unsupported(input: &wire::TapeCut) -> Vec<Finding> {
     let options = &input.options;
     let cases = [
         (input.courses.is_some(), "/input/courses", "generating courses is not supported yet; send tracks"),
-        (
-            options.on_excess == wire::OnExcess::Simplify,
-            "/input/options/on_excess",
-            "simplify is not supported yet; use reject",
-        ),
         (
             options.allocation == wire::Allocation::Free,
             "/input/options/allocation",

@@ -8,6 +8,7 @@ pub mod assign;
 pub mod chain;
 pub mod curve;
 pub mod develop;
+pub mod excess;
 pub mod file;
 pub mod front;
 pub mod input;

@@ -4,6 +4,7 @@
 //! the tape's own edge. The published Edge0 and Edge1 are the ends of a cut, exactly at half the tape width.
 
 use super::develop::{Developed, DevelopedPly};
+use super::excess::{side_by_side, simplified};
 use crate::planning::finding::{Code, Finding};
 use crate::planning::geometry::Point2;
 use crate::planning::geometry::polygon::{contains, signed_area};
@@ -54,6 +55,48 @@ impl Piece {
             points.pop();
         }
         points
+    }
+
+    /// Changes the cuts that more than `knives` knives would be needed for, on their scrap side: returns the largest
+    /// deviation in mm and the extra area in mm^2, or `None` if nothing was changed.
+    pub fn simplify(&mut self, half_width_mm: f64, knives: usize) -> Option<(f64, f64)> {
+        if side_by_side(self.cuts(), half_width_mm).0 <= knives {
+            return None;
+        }
+        let mut change: Option<(f64, f64)> = None;
+        for side in &mut self.sides {
+            let Side::Cut(points) = side else { continue };
+            if side_by_side(std::iter::once(points.as_slice()), half_width_mm).0 <= knives {
+                continue;
+            }
+            let Some(simple) = simplified(points, half_width_mm, knives) else { continue };
+            let (deviation, area) = change.unwrap_or((0.0, 0.0));
+            change = Some((deviation.max(simple.max_deviation_mm), area + simple.extra_area_mm2));
+            self.area_mm2 += simple.extra_area_mm2;
+            *points = simple.points;
+        }
+        self.mend_tape_edges();
+        change
+    }
+
+    /// Lets the tape's edges run from the end of the cut before them to the start of the next.
+    fn mend_tape_edges(&mut self) {
+        let count = self.sides.len();
+        for index in 0..count {
+            let before = match &self.sides[(index + count - 1) % count] {
+                Side::Cut(points) => points.last().copied(),
+                Side::TapeEdge(..) => None,
+            };
+            let after = match &self.sides[(index + 1) % count] {
+                Side::Cut(points) => points.first().copied(),
+                Side::TapeEdge(..) => None,
+            };
+            if let (Side::TapeEdge(from, to), Some(before), Some(after)) =
+                (&mut self.sides[index], before, after)
+            {
+                (*from, *to) = (before, after);
+            }
+        }
     }
 
     /// Smallest and largest u of the piece.

@@ -3,7 +3,7 @@
 use super::assign::{RollChain, assign, passing, published};
 use super::chain::{Chain, split};
 use super::develop::develop;
-use super::input::{Course, TapeInput};
+use super::input::{Course, OnExcess, TapeInput};
 use super::outline::{flat_area, report_sense};
 use super::piece::{Piece, within_strip};
 use super::roll::{Roll, RollFigures, place};
@@ -45,6 +45,8 @@ pub struct PlannedPiece {
     pub offset_mm: f64,
     /// Its chains, each with its cutter from 0.
     pub chains: Vec<(Chain, usize)>,
+    /// How far its outline was changed on the scrap side, in mm, and the area that this leaves to be trimmed, in mm^2.
+    pub simplified: Option<(f64, f64)>,
 }
 
 /// Plans a ply.
@@ -104,20 +106,36 @@ fn pieces_of_courses(
                 format!("course {} does not touch the ply and is left out", course.number),
             ));
         } else {
+            findings.extend(pieces.iter().filter_map(|piece| simplification(course, piece)));
             courses.push(PlannedCourse { number: course.number, index: course.index, pieces });
         }
     }
     Ok(courses)
 }
 
+fn simplification(course: &Course, piece: &PlannedPiece) -> Option<Finding> {
+    let (deviation_mm, area_mm2) = piece.simplified?;
+    let message = format!(
+        "course {}: there are not enough knives for its outline; it was changed on the scrap side, by {deviation_mm:.3} mm along \
+         the tape at the most, and {area_mm2:.1} mm2 are left to be trimmed",
+        course.number
+    );
+    Some(Finding::warning(Code::OutlineSimplified, format!("/input/tracks/{}", course.index), message))
+}
+
 fn pieces_of(course: &Course, input: &TapeInput) -> Result<Vec<PlannedPiece>, Finding> {
     let width = input.width.mm();
     let ply = develop(course, &input.boundary, &input.holes, input.machine.cut_side, width)?;
     let pieces = within_strip(&ply, width)?;
-    Ok(pieces.into_iter().map(|piece| chained(piece, width / 2.0, input.machine.cutters.len())).collect())
+    Ok(pieces.into_iter().map(|piece| chained(piece, input)).collect())
 }
 
-fn chained(piece: Piece, half_width_mm: f64, knives: usize) -> PlannedPiece {
+fn chained(mut piece: Piece, input: &TapeInput) -> PlannedPiece {
+    let (half_width_mm, knives) = (input.width.mm() / 2.0, input.machine.cutters.len());
+    let simplified = match input.on_excess {
+        OnExcess::Simplify => piece.simplify(half_width_mm, knives),
+        OnExcess::Reject => None,
+    };
     let chains = piece
         .cuts()
         .enumerate()
@@ -127,7 +145,7 @@ fn chained(piece: Piece, half_width_mm: f64, knives: usize) -> PlannedPiece {
             (chain, cutter)
         })
         .collect();
-    PlannedPiece { piece, offset_mm: 0.0, chains }
+    PlannedPiece { piece, offset_mm: 0.0, chains, simplified }
 }
 
 fn place_pieces(courses: &mut [PlannedCourse], input: &TapeInput) -> Roll {

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::chain::Slope;
 use super::machine::Machine;
-use super::plan::{PlannedPiece, TapePlan};
+use super::plan::{PlannedCourse, PlannedPiece, TapePlan};
 use super::roll::RollFigures;
 use crate::planning::program::replay::ReplayFigures;
 
@@ -20,8 +20,18 @@ pub struct TapeReport {
     /// A lower bound of it: each axis alone at its limit of speed, with the dwells of its knife.
     bound_time_s: f64,
     replay: ReplayFigures,
-    /// Outlines changed to suit the knives: none, since a shape that needs it is refused.
-    simplified: Vec<()>,
+    /// Outlines changed on the scrap side to suit the knives.
+    simplified: Vec<SimplifiedReport>,
+}
+
+/// How far a course's outlines were changed.
+#[derive(Debug, Clone, Serialize)]
+struct SimplifiedReport {
+    course: u32,
+    /// Along the tape, in mm.
+    max_deviation_mm: f64,
+    /// Left to be trimmed.
+    extra_area_mm2: f64,
 }
 
 /// The machine that was planned for. The program runs on machines of exactly this profile.
@@ -91,9 +101,18 @@ impl TapeReport {
             time_s,
             bound_time_s,
             replay,
-            simplified: Vec::new(),
+            simplified: plan.courses.iter().filter_map(simplified_report).collect(),
         }
     }
+}
+
+fn simplified_report(course: &PlannedCourse) -> Option<SimplifiedReport> {
+    let changes: Vec<(f64, f64)> = course.pieces.iter().filter_map(|piece| piece.simplified).collect();
+    (!changes.is_empty()).then(|| SimplifiedReport {
+        course: course.number,
+        max_deviation_mm: changes.iter().map(|change| change.0).fold(0.0, f64::max),
+        extra_area_mm2: changes.iter().map(|change| change.1).sum(),
+    })
 }
 
 fn piece_report(piece: &PlannedPiece) -> PieceReport {

@@ -1,0 +1,332 @@
+//! Outlines that more knives would be needed for than there are, changed on their scrap side (domain.md A5).
+//!
+//! A cut from edge to edge of the tape is, seen from the ply, a height u over v: toward the scrap is up. A knife
+//! passes each u once, so k knives make it if no height is crossed more than k times. Two knives make what only rises
+//! or falls, what changes once, and what changes twice if the outer two of its three runs share no height; one knife makes
+//! what only rises or falls. `simplified` finds the outline that covers the given one, is of such a shape, and whose
+//! largest deviation, measured along u, is least; of several the one with the least extra area.
+//!
+//! An outline that doubles back in v is covered by its silhouette first, which fills its pockets.
+
+use super::chain::split;
+use crate::planning::geometry::Point2;
+use crate::planning::tolerance::{ONE_PLACE_MM, SAME_POINT_MM};
+
+/// A cut changed on its scrap side.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Simplified {
+    /// The cut, from the same end to the same end, in mm.
+    pub points: Vec<Point2>,
+    /// How far it lies from the ply at the most, along u, in mm.
+    pub max_deviation_mm: f64,
+    /// What it leaves beyond the ply, to be trimmed later, in mm^2.
+    pub extra_area_mm2: f64,
+}
+
+/// How many chains of some cuts run side by side at the most, and over which u in mm. Chains that only meet share no
+/// u: the intervals are open, and overlaps below a program's last printed digit are none.
+#[must_use]
+pub fn side_by_side<'a>(cuts: impl Iterator<Item = &'a [Point2]>, half_width_mm: f64) -> (usize, (f64, f64)) {
+    let chains = cuts.flat_map(|cut| split(0, cut, half_width_mm)).filter(|chain| !chain.is_square());
+    let mut ends: Vec<(f64, bool)> = Vec::new();
+    for (low, high) in chains.map(|chain| chain.u_range()).filter(|(low, high)| high - low > ONE_PLACE_MM) {
+        ends.extend([(low + 0.5 * ONE_PLACE_MM, true), (high - 0.5 * ONE_PLACE_MM, false)]);
+    }
+    // At one place chains end before others begin.
+    ends.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let (mut now, mut most, mut range) = (0_usize, 0, (0.0, 0.0));
+    for (index, (u, begins)) in ends.iter().enumerate() {
+        now = if *begins { now + 1 } else { now - 1 };
+        if now > most {
+            (most, range) = (now, (*u, ends.get(index + 1).map_or(*u, |next| next.0)));
+        }
+    }
+    (most, range)
+}
+
+/// The least change of a cut that `knives` knives can make, or `None` if the cut does not run from one edge of the tape
+/// to the other. The cut is a side of a piece: the ply lies on its left.
+#[must_use]
+pub fn simplified(cut: &[Point2], half_width_mm: f64, knives: usize) -> Option<Simplified> {
+    let (first, last) = (cut.first()?, cut.last()?);
+    let crosses = first.y == -last.y && first.y.abs() == half_width_mm;
+    if !crosses {
+        return None;
+    }
+    // With v rising the ply lies at the smaller u; a cut with v falling is the same picture turned by half a turn.
+    let turned = first.y > last.y;
+    let given: Vec<Point2> =
+        if turned { cut.iter().map(|p| -*p).map(Point2::from).collect() } else { cut.to_vec() };
+    let ply = silhouette(&given);
+    let best = shapes(&ply, knives).into_iter().map(|shape| judged(&ply, &given, shape)).min_by(|a, b| {
+        let equal = (a.max_deviation_mm - b.max_deviation_mm).abs() <= SAME_POINT_MM;
+        let by_area = a.extra_area_mm2.total_cmp(&b.extra_area_mm2);
+        if equal { by_area } else { a.max_deviation_mm.total_cmp(&b.max_deviation_mm) }
+    })?;
+    let points =
+        if turned { best.points.iter().map(|p| Point2::from(-p.coords)).collect() } else { best.points };
+    Some(Simplified { points, ..best })
+}
+
+/// All shapes that `knives` knives make, each as low as it can be over the ply.
+fn shapes(ply: &[Point2], knives: usize) -> Vec<Vec<Point2>> {
+    let mut shapes = vec![rising(ply), falling(ply)];
+    if knives < 2 {
+        return shapes;
+    }
+    let turns = turns(ply);
+    let top = (0..ply.len()).max_by(|&a, &b| ply[a].x.total_cmp(&ply[b].x)).unwrap_or(0);
+    shapes.push(joined(&[rising(&ply[..=top]), falling(&ply[top..])]));
+    for &valley in &turns {
+        shapes.push(joined(&[falling(&ply[..=valley]), rising(&ply[valley..])]));
+    }
+    for (index, &one) in turns.iter().enumerate() {
+        for &other in &turns[index + 1..] {
+            shapes.extend(twice_turned(ply, one, other));
+            let mirrored = twice_turned(&mirrored(ply), ply.len() - 1 - other, ply.len() - 1 - one);
+            shapes.extend(mirrored.map(|shape| self::mirrored(&shape)));
+        }
+    }
+    shapes
+}
+
+/// Up to `peak`, down to `valley`, up to the end, with the start raised to the height of the end, so that the
+/// first run and the last share no height. `None` where the end is above the peak.
+fn twice_turned(ply: &[Point2], peak: usize, valley: usize) -> Option<Vec<Point2>> {
+    let last = rising(&ply[valley..]);
+    let end = last.last()?.x;
+    if end > ply[peak].x {
+        return None;
+    }
+    let mut first = rising(&raised(&ply[..=peak], end));
+    // The first run ends as high as the middle one begins.
+    let middle = falling(&ply[peak..=valley]);
+    let height = first.last()?.x.max(middle.first()?.x);
+    first.last_mut()?.x = height;
+    let middle =
+        std::iter::once(Point2::new(height, ply[peak].y)).chain(middle.into_iter().skip(1)).collect();
+    Some(joined(&[first, middle, last]))
+}
+
+/// The lowest outline above this one that never falls with v.
+fn rising(points: &[Point2]) -> Vec<Point2> {
+    let mut top = points[0];
+    let mut covered = vec![top];
+    for pair in points.windows(2) {
+        let (from, to) = (pair[0], pair[1]);
+        if to.x > top.x {
+            let left = at_height(&from, &to, top.x);
+            if left != top {
+                covered.push(left);
+            }
+            covered.push(to);
+            top = to;
+        } else if pair[1] == points[points.len() - 1] {
+            covered.push(Point2::new(top.x, to.y));
+        }
+    }
+    covered
+}
+
+/// The lowest outline above this one that never rises with v.
+fn falling(points: &[Point2]) -> Vec<Point2> {
+    mirrored(&rising(&mirrored(points)))
+}
+
+fn mirrored(points: &[Point2]) -> Vec<Point2> {
+    points.iter().rev().map(|point| Point2::new(point.x, -point.y)).collect()
+}
+
+/// The outline with all that is below `floor` raised to it.
+fn raised(points: &[Point2], floor: f64) -> Vec<Point2> {
+    let mut covered = vec![Point2::new(points[0].x.max(floor), points[0].y)];
+    for pair in points.windows(2) {
+        let (from, to) = (pair[0], pair[1]);
+        if (from.x < floor) != (to.x < floor) {
+            covered.push(at_height(&from, &to, floor));
+        }
+        covered.push(Point2::new(to.x.max(floor), to.y));
+    }
+    covered
+}
+
+/// Where a segment that passes a height is at it.
+fn at_height(from: &Point2, to: &Point2, height: f64) -> Point2 {
+    let share = ((height - from.x) / (to.x - from.x)).clamp(0.0, 1.0);
+    Point2::new(height, from.y + share * (to.y - from.y))
+}
+
+/// One outline of several that meet, points in line left out.
+fn joined(parts: &[Vec<Point2>]) -> Vec<Point2> {
+    let mut points: Vec<Point2> = Vec::new();
+    for point in parts.iter().flatten() {
+        if points.last() != Some(point) {
+            points.push(*point);
+        }
+    }
+    points
+}
+
+/// The points at which the outline begins to fall or to rise, without its ends.
+fn turns(ply: &[Point2]) -> Vec<usize> {
+    let mut turns = Vec::new();
+    let mut direction = 0.0;
+    for index in 1..ply.len() {
+        let step = ply[index].x - ply[index - 1].x;
+        if step != 0.0 && step * direction < 0.0 {
+            turns.push(index - 1);
+        }
+        if step != 0.0 {
+            direction = step;
+        }
+    }
+    turns
+}
+
+/// What lies toward the scrap of an outline at each v: the outline itself where it does not double back.
+fn silhouette(points: &[Point2]) -> Vec<Point2> {
+    if points.windows(2).all(|pair| pair[1].y >= pair[0].y) {
+        return points.to_vec();
+    }
+    let (start, end) = (points[0].y, points[points.len() - 1].y);
+    let mut places: Vec<f64> = points.iter().map(|point| point.y.clamp(start, end)).collect();
+    places.sort_by(f64::total_cmp);
+    places.dedup();
+    let mut top: Vec<Point2> = Vec::new();
+    for strip in places.windows(2) {
+        // Outlines do not cross, so the segment that is on top in the middle of a strip is on top throughout.
+        let [low, high] = [strip[0], strip[1]];
+        let middle = f64::midpoint(low, high);
+        let over = points.windows(2).filter(|pair| {
+            pair[0].y.min(pair[1].y) <= middle && middle <= pair[0].y.max(pair[1].y) && pair[0].y != pair[1].y
+        });
+        let height = |pair: &[Point2], v: f64| {
+            pair[0].x + (v - pair[0].y) / (pair[1].y - pair[0].y) * (pair[1].x - pair[0].x)
+        };
+        if let Some(pair) = over.max_by(|a, b| height(a, middle).total_cmp(&height(b, middle))) {
+            for v in [low, high] {
+                let point = Point2::new(height(pair, v), v);
+                if top.last() != Some(&point) {
+                    top.push(point);
+                }
+            }
+        }
+    }
+    top
+}
+
+/// What a shape costs: how far it lies above the given outline, and the area between them.
+fn judged(ply: &[Point2], given: &[Point2], shape: Vec<Point2>) -> Simplified {
+    let deviation = given.iter().chain(ply).map(|point| height_over(&shape, point.y) - point.x);
+    let max_deviation_mm = deviation.fold(0.0, f64::max);
+    let area = |points: &[Point2]| -> f64 {
+        points.windows(2).map(|pair| 0.5 * (pair[0].x + pair[1].x) * (pair[1].y - pair[0].y)).sum()
+    };
+    let extra_area_mm2 = (area(&shape) - area(given)).max(0.0);
+    Simplified { points: shape, max_deviation_mm, extra_area_mm2 }
+}
+
+/// The height of an outline whose v never falls, at a v; where it stands upright, its lowest there.
+fn height_over(shape: &[Point2], v: f64) -> f64 {
+    let after = shape.partition_point(|point| point.y < v);
+    let Some(to) = shape.get(after) else { return shape[shape.len() - 1].x };
+    if to.y == v || after == 0 {
+        let here = shape[after..].iter().take_while(|point| point.y == v).map(|point| point.x);
+        return here.fold(f64::INFINITY, f64::min).min(if to.y == v { f64::INFINITY } else { to.x });
+    }
+    let from = shape[after - 1];
+    from.x + (v - from.y) / (to.y - from.y) * (to.x - from.x)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn cut(heights: &[f64]) -> Vec<Point2> {
+        let half = 0.5 * (heights.len() - 1) as f64;
+        heights.iter().enumerate().map(|(i, &u)| Point2::new(u, i as f64 - half)).collect()
+    }
+
+    fn half(cut: &[Point2]) -> f64 {
+        cut[0].y.abs()
+    }
+
+    fn count(cut: &[Point2]) -> usize {
+        side_by_side(std::iter::once(cut), half(cut)).0
+    }
+
+    /// The least largest deviation of all outlines whose points lie at heights of the given ones.
+    fn brute_force(heights: &[f64], knives: usize) -> f64 {
+        let mut best = f64::INFINITY;
+        let choices = heights.len();
+        for number in 0..choices.pow(heights.len() as u32) {
+            let tried: Vec<f64> =
+                (0..heights.len()).map(|i| heights[number / choices.pow(i as u32) % choices]).collect();
+            let raised: Vec<f64> = tried.iter().zip(heights).map(|(new, old)| new - old).collect();
+            let most = raised.iter().copied().fold(0.0, f64::max);
+            if raised.iter().all(|by| *by >= 0.0) && most < best && count(&cut(&tried)) <= knives {
+                best = most;
+            }
+        }
+        best
+    }
+
+    #[test]
+    fn what_two_knives_can_cut_stays_and_a_third_chain_is_filled() {
+        let cuttable = cut(&[360.0, 400.0, 300.0, 340.0]);
+        assert_eq!(count(&cuttable), 2);
+        assert_eq!(simplified(&cuttable, half(&cuttable), 2).unwrap().max_deviation_mm, 0.0);
+        // The start is raised from 340 to the end's 380 rather than the valley from 320 to 400.
+        let excess = cut(&[340.0, 400.0, 320.0, 380.0]);
+        assert_eq!(side_by_side(std::iter::once(excess.as_slice()), 1.5).0, 3);
+        let changed = simplified(&excess, 1.5, 2).unwrap();
+        assert_eq!((changed.max_deviation_mm, count(&changed.points)), (40.0, 2));
+    }
+
+    #[test]
+    fn the_scrap_lies_on_the_other_side_of_a_cut_that_runs_down() {
+        let mut start = cut(&[60.0, 0.0, 80.0, 20.0]);
+        start.reverse();
+        let changed = simplified(&start, 1.5, 2).unwrap();
+        assert!(count(&changed.points) <= 2);
+        assert!(changed.points.iter().all(|p| start.iter().all(|q| q.y != p.y || p.x <= q.x + 1e-12)));
+        assert_eq!((changed.points[0].y, changed.points[changed.points.len() - 1].y), (1.5, -1.5));
+    }
+
+    #[test]
+    fn an_outline_that_doubles_back_is_covered_by_its_silhouette() {
+        let hook = [(0.0, -2.0), (10.0, 1.0), (4.0, -1.0), (0.0, 2.0)].map(|(u, v)| Point2::new(u, v));
+        let changed = simplified(&hook, 2.0, 2).unwrap();
+        assert!(changed.points.windows(2).all(|pair| pair[1].y >= pair[0].y), "{changed:?}");
+        assert!(count(&changed.points) <= 2 && changed.extra_area_mm2 > 0.0);
+    }
+
+    #[test]
+    fn a_cut_that_does_not_cross_the_tape_is_left_alone() {
+        let notch = [(0.0, 2.0), (10.0, 0.0), (20.0, 2.0)].map(|(u, v)| Point2::new(u, v));
+        assert_eq!(simplified(&notch, 2.0, 2), None);
+        assert_eq!(simplified(&[], 2.0, 2), None);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
+        #[test]
+        fn no_outline_of_a_brute_force_deviates_less(
+            heights in prop::collection::vec(0..7_u8, 2..7), knives in 1..=2_usize
+        ) {
+            let heights: Vec<f64> = heights.into_iter().map(f64::from).collect();
+            let given = cut(&heights);
+            let changed = simplified(&given, half(&given), knives).unwrap();
+            prop_assert!(count(&changed.points) <= knives, "{heights:?} {changed:?}");
+            prop_assert_eq!(changed.max_deviation_mm, brute_force(&heights, knives), "{:?} {:?}", heights, changed);
+            // It never goes into the ply, and its ends stay on the edges of the tape.
+            for point in &given {
+                prop_assert!(height_over(&changed.points, point.y) >= point.x - 1e-9);
+            }
+            prop_assert_eq!(changed.points[0].y, given[0].y);
+            prop_assert_eq!(changed.points[changed.points.len() - 1].y, given[given.len() - 1].y);
+        }
+    }
+}

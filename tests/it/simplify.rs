@@ -1,0 +1,112 @@
+//! Ends of any shape, on a machine of one cutter and of two: with `simplify` every one has a program, no cut goes into the
+//! ply, and an end that needs no change gets none.
+
+use std::cell::Cell;
+
+use bladeplan::planning::attempt::plan;
+use bladeplan::planning::budget::Budget;
+use bladeplan::planning::document;
+use bladeplan::planning::document::files::Files;
+use bladeplan::planning::finding::Code;
+use bladeplan::planning::outcome::{Outcome, Verdict};
+use bladeplan::planning::tape::machine::Catalogue;
+use proptest::prelude::*;
+use serde_json::{Value, json};
+
+use crate::rounds::runner;
+
+const WIDTH: f64 = 75.0;
+/// The middle of the ends' zigzag, in mm.
+const END: f64 = 400.0;
+
+/// The heights of an end over its v, from edge to edge.
+fn end(heights: &[f64]) -> Vec<[f64; 2]> {
+    let last = (heights.len() - 1) as f64;
+    let at = |(i, height): (usize, &f64)| [END + height, WIDTH * (i as f64 / last - 0.5)];
+    heights.iter().enumerate().map(at).collect()
+}
+
+fn job(heights: &[f64], on_excess: &str, cutters: usize) -> Value {
+    let mut boundary = vec![[0.0, WIDTH / 2.0, 0.0], [0.0, -WIDTH / 2.0, 0.0]];
+    boundary.extend(end(heights).iter().map(|[u, v]| [*u, *v, 0.0]));
+    let mut machine = serde_json::to_value(Catalogue::built_in().get("two-cutter-lab").unwrap()).unwrap();
+    machine["cutters"].as_array_mut().unwrap().truncate(cutters);
+    let track = |u: f64| json!({"position": [u, 0.0, 0.0], "normal": [0.0, 0.0, 1.0]});
+    json!({"kind": "tape-cut", "input": {
+        "tape": {"width_mm": WIDTH, "thickness_mm": 0.125},
+        "boundary": {"points": boundary},
+        "tracks": [{"number": 1, "points": [track(0.0), track(600.0)]}],
+        "machine": machine, "options": {"on_excess": on_excess}}})
+}
+
+fn planned(heights: &[f64], on_excess: &str, cutters: usize) -> Outcome {
+    let job = document::read(job(heights, on_excess, cutters).to_string().as_bytes()).unwrap();
+    plan(&job, &Files::default(), &Catalogue::built_in(), &Budget::unwatched()).unwrap()
+}
+
+/// The largest u that the planned chains reach at a v: beyond it there is scrap.
+fn reach(outcome: &Outcome, v: f64) -> f64 {
+    let cuts = outcome.report["courses"][0]["pieces"][0]["cuts"].as_array().unwrap();
+    let points = |cut: &Value| -> Vec<[f64; 2]> { serde_json::from_value(cut["points_uv"].clone()).unwrap() };
+    let across =
+        cuts.iter().flat_map(|cut| points(cut).windows(2).map(|pair| [pair[0], pair[1]]).collect::<Vec<_>>());
+    let at = |[a, b]: [[f64; 2]; 2]| {
+        let (low, high) = (a[1].min(b[1]), a[1].max(b[1]));
+        if !(low..=high).contains(&v) {
+            return f64::NEG_INFINITY;
+        }
+        if a[1] == b[1] { a[0].max(b[0]) } else { a[0] + (v - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) }
+    };
+    across.map(at).fold(f64::NEG_INFINITY, f64::max)
+}
+
+#[test]
+fn every_end_has_a_program_and_no_cut_goes_into_the_ply() {
+    let ends = (prop::collection::vec(-30.0..30.0_f64, 2..9), 1..=2_usize);
+    let counts = [Cell::new(0), Cell::new(0)];
+    let test = |(heights, cutters): (Vec<f64>, usize)| {
+        let simplified = planned(&heights, "simplify", cutters);
+        prop_assert_eq!(simplified.verdict, Verdict::Usable, "{:?}", simplified.findings);
+        for [u, v] in end(&heights) {
+            prop_assert!(reach(&simplified, v) >= u - 1e-6, "{u} {v}: {heights:?}");
+        }
+        let rejected = planned(&heights, "reject", cutters);
+        let said = &simplified.report["simplified"];
+        if rejected.verdict == Verdict::Usable {
+            prop_assert_eq!(said, &json!([]));
+            prop_assert_eq!(&simplified.report["courses"], &rejected.report["courses"]);
+        } else {
+            prop_assert!(rejected.findings.iter().any(|finding| finding.code == Code::TooManyKnives));
+            prop_assert!(simplified.findings.iter().any(|finding| finding.code == Code::OutlineSimplified));
+            let deviation = said[0]["max_deviation_mm"].as_f64().unwrap();
+            prop_assert!(deviation > 0.0 && said[0]["extra_area_mm2"].as_f64().unwrap() > 0.0);
+            let farthest = end(&heights).iter().map(|[u, v]| reach(&simplified, *v) - u).fold(0.0, f64::max);
+            prop_assert!((farthest - deviation).abs() < 0.02, "{farthest} is not {deviation}: {heights:?}");
+        }
+        Ok(rejected.verdict)
+    };
+    runner(100)
+        .run(&ends, |input| {
+            let count = &counts[usize::from(test(input)? == Verdict::Usable)];
+            count.set(count.get() + 1);
+            Ok(())
+        })
+        .unwrap();
+    // Of use only if both happen.
+    assert!(counts.iter().all(|count| count.get() > 5), "changed and not: {counts:?}");
+}
+
+#[test]
+fn a_cut_out_that_needs_too_many_knives_is_refused_with_its_place() {
+    let mut job = job(&[0.0, 0.0], "simplify", 1);
+    job["input"]["holes"] = json!([{"points": [[100, 10, 0], [150, 0, 0], [100, -10, 0]]}]);
+    let job = document::read(job.to_string().as_bytes()).unwrap();
+    let outcome = plan(&job, &Files::default(), &Catalogue::built_in(), &Budget::unwatched()).unwrap();
+    assert_eq!(outcome.verdict, Verdict::NotUsable);
+    let finding = outcome.findings.iter().find(|finding| finding.code == Code::TooManyKnives).unwrap();
+    assert!(
+        finding.message.contains("100.000") && finding.message.contains("150.000"),
+        "{}",
+        finding.message
+    );
+}
