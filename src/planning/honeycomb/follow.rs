@@ -133,7 +133,17 @@ pub fn findings(
 ) -> Result<Vec<Finding>, Finding> {
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     if let Some(first) = &found.first_fault {
-        let message = format!("the robot {} cannot follow: {}", robot.arm().name, first.fault);
+        let farther = match found.min_joint_margin_deg {
+            // The first fault is then one of speed, which slower turns would mend.
+            Some(margin) if !found.reachable && !first.fault.is_of_place() && margin < 0.0 => {
+                format!(
+                    "; farther on a joint would stand {:.1} degrees beyond its range, at any speed",
+                    -margin
+                )
+            }
+            _ => String::new(),
+        };
+        let message = format!("the robot {} cannot follow: {}{farther}", robot.arm().name, first.fault);
         let fault = Finding::error(Code::RobotFault, first.at(&names), message);
         return Ok(vec![fault, proposal(robot, path, budget)?]);
     }
