@@ -4,6 +4,7 @@ pub mod crossing;
 pub mod frame;
 pub mod polygon;
 pub mod simplify;
+pub mod stretches;
 
 /// A point of a plane.
 pub type Point2 = nalgebra::Point2<f64>;

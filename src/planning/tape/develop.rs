@@ -6,10 +6,13 @@
 //! and tapes up to 300 mm within 0.01 mm on any cylinder and on cones up to a half angle of 20 degrees, and within
 //! 0.025 mm on a cone of 45 degrees (tests against the exact developments).
 
+use std::ops::Range;
+
 use super::curve::{Bend, Curve, Station};
 use super::input::Course;
 use super::machine::CutSide;
 use crate::planning::finding::{Code, Finding};
+use crate::planning::geometry::stretches::{Reach, Stretches};
 use crate::planning::geometry::{Point2, Point3, Vector3};
 use crate::planning::tolerance::{FLAT_MM, FOOT_MM, SQUARE_COSINE, STRAIGHT_MM};
 
@@ -29,10 +32,91 @@ const MOST_FOOT_STEPS: usize = 30;
 #[derive(Debug, Clone, PartialEq)]
 pub struct DevelopedPly {
     /// The boundary.
-    pub boundary: Vec<Developed>,
+    pub boundary: DevelopedLoop,
     /// The cut-outs.
-    pub holes: Vec<Vec<Developed>>,
+    pub holes: Vec<DevelopedLoop>,
 }
+
+/// An outline in (u, v) of one course. A stretch of it that is nowhere near the course is one place that is not known.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct DevelopedLoop {
+    /// Its points in order.
+    pub places: Vec<Developed>,
+    /// Where each of them stands in the outline.
+    pub indices: Vec<usize>,
+}
+
+impl DevelopedLoop {
+    /// What comes next is nowhere near the course.
+    fn leave_out(&mut self) {
+        self.places.push(None);
+        self.indices.push(self.indices.last().copied().unwrap_or(0));
+    }
+}
+
+impl From<Vec<Developed>> for DevelopedLoop {
+    /// An outline of which every point stands for itself.
+    fn from(places: Vec<Developed>) -> Self {
+        let indices = (0..places.len()).collect();
+        Self { places, indices }
+    }
+}
+
+/// The outlines of a ply in space, made ready for many courses to ask what of them is near.
+#[derive(Debug, Clone)]
+pub struct PlyInSpace<'a> {
+    loops: Vec<(&'a [Point3], Stretches)>,
+}
+
+impl<'a> PlyInSpace<'a> {
+    /// Of a boundary and cut-outs, in mm, first points not repeated.
+    #[must_use]
+    pub fn new(boundary: &'a [Point3], holes: &'a [Vec<Point3>]) -> Self {
+        let loops = std::iter::once(boundary).chain(holes.iter().map(Vec::as_slice));
+        Self { loops: loops.map(|points| (points, Stretches::of(points))).collect() }
+    }
+
+    /// The stretches of each loop that are near a course.
+    fn near(&self, course: &Course, width_mm: f64) -> Vec<Vec<Range<usize>>> {
+        let reaches = reaches(course, width_mm);
+        self.loops.iter().map(|(_, stretches)| stretches.near(&reaches)).collect()
+    }
+}
+
+/// What is near a course: all that can lie within its tape, and more beyond the ends, where it is continued.
+fn reaches(course: &Course, width_mm: f64) -> Vec<Reach> {
+    let points = &course.points;
+    let whole = chord(points, NEAR_WIDTHS * width_mm);
+    if whole.radius_mm <= NEAR_WIDTHS * width_mm + STRAIGHT_MM {
+        return vec![Reach { endless: true, ..whole }];
+    }
+    let parts = (0..points.len() - 1).step_by(PART).map(|first| {
+        let part = &points[first..=(first + PART).min(points.len() - 1)];
+        let longest = part.windows(2).map(|pair| (pair[1] - pair[0]).norm()).fold(0.0, f64::max);
+        // Between two points the smooth course leaves their chord by a fraction of its length.
+        chord(part, NEAR_WIDTHS * width_mm + longest / 2.0)
+    });
+    let beyond = |end: Point3| Reach {
+        from: end,
+        to: end,
+        endless: false,
+        radius_mm: (CONTINUED_WIDTHS + NEAR_WIDTHS) * width_mm,
+    };
+    parts.chain([beyond(points[0]), beyond(points[points.len() - 1])]).collect()
+}
+
+/// The line from the first to the last of some points, with `radius_mm` around all of them.
+fn chord(points: &[Point3], radius_mm: f64) -> Reach {
+    let line = Reach { from: points[0], to: points[points.len() - 1], endless: false, radius_mm };
+    let off = points.iter().map(|point| line.distance_mm(point)).fold(0.0, f64::max);
+    Reach { radius_mm: radius_mm + off, ..line }
+}
+
+/// A point farther from the course than so many tape widths is in no piece: half a width, and as much again for what
+/// the development adds.
+const NEAR_WIDTHS: f64 = 1.0;
+/// So many steps of a course are looked at together.
+const PART: usize = 16;
 
 /// Develops a ply into the frame of a course; the tape is `width_mm` wide.
 ///
@@ -44,8 +128,7 @@ pub struct DevelopedPly {
 /// `BadCourse` if the course turns back or its normals are not square to it.
 pub fn develop(
     course: &Course,
-    boundary: &[Point3],
-    holes: &[Vec<Point3>],
+    ply: &PlyInSpace<'_>,
     cut_side: CutSide,
     width_mm: f64,
 ) -> Result<DevelopedPly, Finding> {
@@ -54,24 +137,55 @@ pub fn develop(
         CutSide::Film => 1.0,
         CutSide::Paper => -1.0,
     };
-    let mut ply = match Flat::of(course, boundary, holes) {
-        Some(flat) => DevelopedPly {
-            boundary: flat.develop(boundary),
-            holes: holes.iter().map(|hole| flat.develop(hole)).collect(),
-        },
+    let near = ply.near(course, width_mm);
+    let stretches = || ply.loops.iter().zip(&near);
+    let flat =
+        Flat::of(course, stretches().flat_map(|((points, _), near)| stretches_of(points, near)).flatten());
+    let curved = || Curved { curve: Curve::through(course, CONTINUED_WIDTHS * width_mm), width_mm };
+    let mut loops: Vec<DevelopedLoop> = match flat {
+        Some(flat) => {
+            stretches().map(|((points, _), near)| taken(points, near, |p| flat.develop(p))).collect()
+        }
         None => {
-            let curve = Curve::through(course, CONTINUED_WIDTHS * width_mm);
-            let curved = Curved { curve, width_mm };
-            DevelopedPly {
-                boundary: curved.develop(boundary),
-                holes: holes.iter().map(|hole| curved.develop(hole)).collect(),
-            }
+            let curved = curved();
+            stretches().map(|((points, _), near)| taken(points, near, |p| curved.develop(p))).collect()
         }
     };
-    for point in ply.boundary.iter_mut().chain(ply.holes.iter_mut().flatten()).flatten() {
+    for point in loops.iter_mut().flat_map(|developed| &mut developed.places).flatten() {
         point.y *= side;
     }
-    Ok(ply)
+    let boundary = loops.remove(0);
+    Ok(DevelopedPly { boundary, holes: loops })
+}
+
+fn stretches_of<'a>(points: &'a [Point3], near: &'a [Range<usize>]) -> impl Iterator<Item = &'a [Point3]> {
+    near.iter().map(|range| &points[range.clone()])
+}
+
+/// The stretches of a loop that are near, developed, each with the point after it; what lies between two is one place
+/// that is not known.
+fn taken(
+    points: &[Point3],
+    near: &[Range<usize>],
+    develop: impl Fn(&[Point3]) -> Vec<Developed>,
+) -> DevelopedLoop {
+    let mut taken = DevelopedLoop::default();
+    let from_start = near.first().is_some_and(|first| first.start == 0);
+    for range in near {
+        let to_end = range.end == points.len();
+        let parts = [range.start..points.len().min(range.end + 1), 0..usize::from(to_end && !from_start)];
+        for part in parts {
+            taken.places.extend(develop(&points[part.clone()]));
+            taken.indices.extend(part);
+        }
+        if !(to_end && from_start) {
+            taken.leave_out();
+        }
+    }
+    if near.is_empty() {
+        taken.leave_out();
+    }
+    taken
 }
 
 /// A course goes on all the time, and its normals are square to it.
@@ -119,8 +233,8 @@ struct Flat {
 }
 
 impl Flat {
-    /// `None` if the course is not straight or something lies off its plane.
-    fn of(course: &Course, boundary: &[Point3], holes: &[Vec<Point3>]) -> Option<Self> {
+    /// `None` if the course is not straight or something near it lies off its plane.
+    fn of<'a>(course: &Course, mut near: impl Iterator<Item = &'a Point3>) -> Option<Self> {
         let (first, last) = (course.points[0], course.points[course.points.len() - 1]);
         let u = (last - first).normalize();
         let normal = course.normals[0];
@@ -133,8 +247,7 @@ impl Flat {
         });
         let parallel =
             course.normals.iter().all(|other| other.cross(&n).norm() <= SQUARE_COSINE && other.dot(&n) > 0.0);
-        let in_plane = boundary.iter().chain(holes.iter().flatten()).all(|point| height(point) <= FLAT_MM);
-        (straight && parallel && in_plane).then_some(flat)
+        (straight && parallel && near.all(|point| height(point) <= FLAT_MM)).then_some(flat)
     }
 
     fn develop(&self, points: &[Point3]) -> Vec<Developed> {
@@ -164,11 +277,11 @@ struct Curved {
 impl Curved {
     fn develop(&self, points: &[Point3]) -> Vec<Developed> {
         let mut search = Search { guess: None, clear_mm: 0.0 };
-        let mut last = points.last();
+        let mut last = None;
         points
             .iter()
             .map(|point| {
-                search.clear_mm -= last.map_or(0.0, |last| (point - last).norm());
+                search.clear_mm -= last.map_or(0.0, |last: &Point3| (point - last).norm());
                 last = Some(point);
                 let found = self.search(point, &mut search);
                 found.map(|(station, bend)| place(&station, &bend, point))
@@ -233,6 +346,7 @@ fn place(station: &Station, bend: &Bend, point: &Point3) -> Point2 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::piece::within_strip;
     use super::*;
 
     fn course(points: &[[f64; 3]], normal: [f64; 3]) -> Course {
@@ -244,8 +358,17 @@ mod tests {
         }
     }
 
+    fn developed(
+        course: &Course,
+        points: &[Point3],
+        side: CutSide,
+        width_mm: f64,
+    ) -> Result<Vec<Developed>, Finding> {
+        develop(course, &PlyInSpace::new(points, &[]), side, width_mm).map(|ply| ply.boundary.places)
+    }
+
     fn place_of(course: &Course, point: [f64; 3], side: CutSide) -> Developed {
-        develop(course, &[Point3::from(point)], &[], side, 75.0).unwrap().boundary[0]
+        developed(course, &[Point3::from(point)], side, 75.0).unwrap()[0]
     }
 
     #[test]
@@ -261,13 +384,66 @@ mod tests {
         assert_eq!(place_of(&course, [1.0, 2.0, 0.0], CutSide::Film), Some(Point2::new(1.0, -2.0)));
     }
 
+    /// What is left out because it is nowhere near changes no piece: all of an outline of thousands of points is developed
+    /// beside it, on a cylinder and on a plane, inside courses, across their ends and past them.
+    #[test]
+    fn the_pieces_are_those_of_the_whole_outline() {
+        for radius in [900.0, f64::INFINITY] {
+            let onto = |x: f64, y: f64| match radius {
+                f64::INFINITY => (Point3::new(x, y, 0.0), Vector3::z()),
+                _ => cylinder(radius)(x, y),
+            };
+            let outline: Vec<Point3> = (0..3000)
+                .map(|i| f64::from(i) * std::f64::consts::TAU / 3000.0)
+                .map(|t| onto((700.0 + 90.0 * (7.0 * t).sin()) * t.cos(), 600.0 * t.sin()).0)
+                .collect();
+            let hole: Vec<Point3> = (0..200)
+                .map(|i| f64::from(i) * std::f64::consts::TAU / 200.0)
+                .map(|t| onto(200.0 + 120.0 * t.cos(), 120.0 * t.sin()).0)
+                .collect();
+            let holes = [hole];
+            let ply = PlyInSpace::new(&outline, &holes);
+            for (number, offset) in (-7..=7).map(|i| (i, f64::from(i) * 100.0)) {
+                let (sin, cos) = 0.6_f64.sin_cos();
+                let at = |u: f64| onto(u * cos - offset * sin, u * sin + offset * cos);
+                let stations = (0..=120).map(|i| f64::from(i) * 15.0 - 900.0);
+                let (points, normals) = stations.map(at).unzip();
+                let course = Course { number: 1, index: 0, points, normals };
+                let near = develop(&course, &ply, CutSide::Film, 100.0).unwrap();
+                let all = |points: &[Point3]| -> DevelopedLoop {
+                    let places = match Flat::of(&course, points.iter()) {
+                        Some(flat) => flat.develop(points),
+                        None => {
+                            Curved { curve: Curve::through(&course, 200.0), width_mm: 100.0 }.develop(points)
+                        }
+                    };
+                    places.into()
+                };
+                let whole = DevelopedPly { boundary: all(&outline), holes: vec![all(&holes[0])] };
+                assert!(near.boundary.places.len() < 2000, "{number}: {}", near.boundary.places.len());
+                let [some, every] = [&near, &whole].map(|ply| within_strip(ply, 100.0).unwrap());
+                assert_eq!(some.len(), every.len(), "{number}");
+                for (one, other) in some.iter().zip(&every) {
+                    assert!(
+                        (one.area_mm2 - other.area_mm2).abs() < 1e-4,
+                        "{number}: {} {}",
+                        one.area_mm2,
+                        other.area_mm2
+                    );
+                    assert_eq!(one.holes.len(), other.holes.len());
+                    assert_eq!(one.sides.len(), other.sides.len());
+                }
+            }
+        }
+    }
+
     #[test]
     fn turning_and_tilted_courses_are_refused() {
         let up = [0.0, 0.0, 1.0];
         let back = course(&[[0.0, 0.0, 0.0], [6.0, 0.0, 0.0], [5.0, 0.0, 0.0], [10.0, 0.0, 0.0]], up);
         let tilted = course(&[[0.0, 0.0, 0.0], [10.0, 0.0, 0.0]], [0.6, 0.0, 0.8]);
         for refused in [back, tilted] {
-            let fault = develop(&refused, &[], &[], CutSide::Film, 75.0).unwrap_err();
+            let fault = developed(&refused, &[], CutSide::Film, 75.0).unwrap_err();
             assert_eq!(fault.code, Code::BadCourse);
         }
     }
@@ -297,7 +473,7 @@ mod tests {
                 .map(|(t, v)| Point2::new(-beyond + (length + 2.0 * beyond) * t, half * v))
                 .collect();
             let points: Vec<Point3> = wanted.iter().map(|p| rounded(at(p.x, p.y).0)).collect();
-            let found = develop(&course, &points, &[], CutSide::Film, 2.0 * half).unwrap().boundary;
+            let found = developed(&course, &points, CutSide::Film, 2.0 * half).unwrap();
             let error =
                 |(wanted, found): (&Point2, &Developed)| (found.expect("it belongs here") - wanted).norm();
             wanted.iter().zip(&found).map(error).fold(0.0, f64::max)
@@ -373,7 +549,7 @@ mod tests {
         let course = Course { number: 1, index: 0, normals: vec![Vector3::z(); points.len()], points };
         let opposite = onto(300.0, 100.0 * std::f64::consts::PI).0;
         let beside = onto(300.0, 20.0).0;
-        let found = develop(&course, &[beside, opposite], &[], CutSide::Film, 75.0).unwrap().boundary;
+        let found = developed(&course, &[beside, opposite], CutSide::Film, 75.0).unwrap();
         assert!(found[0].is_some() && found[1].is_none());
     }
 }

@@ -119,8 +119,8 @@ mod tests {
     use super::*;
 
     fn piece(list: &[(f64, f64)]) -> Piece {
-        let boundary = list.iter().map(|&(u, v)| Some(Point2::new(u, v))).collect();
-        within_strip(&DevelopedPly { boundary, holes: vec![] }, 75.0).unwrap().remove(0)
+        let boundary: Vec<_> = list.iter().map(|&(u, v)| Some(Point2::new(u, v))).collect();
+        within_strip(&DevelopedPly { boundary: boundary.into(), holes: vec![] }, 75.0).unwrap().remove(0)
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! Clipping is done in `f64` on the outline's own points and every side of a piece keeps what it is: a cut, or
 //! the tape's own edge. The published Edge0 and Edge1 are the ends of a cut, exactly at half the tape width.
 
-use super::develop::{Developed, DevelopedPly};
+use super::develop::{Developed, DevelopedLoop, DevelopedPly};
 use super::excess::{side_by_side, simplified};
 use crate::planning::finding::{Code, Finding};
 use crate::planning::geometry::Point2;
@@ -230,8 +230,8 @@ impl Strip {
     /// A point on an edge counts as outside: the strip is open, as if it were narrower by an infinitely small
     /// amount. An outline that runs along an edge is then the tape's own edge and no cut, and every crossing
     /// has a partner. A point on another part of the mould is outside too.
-    fn take(&mut self, outline: &[Developed], filled: Filled) -> Result<(), LeavesMould> {
-        let mut points: Vec<Developed> = outline.to_vec();
+    fn take(&mut self, outline: &DevelopedLoop, filled: Filled) -> Result<(), LeavesMould> {
+        let mut points = outline.places.clone();
         for point in points.iter_mut().flatten() {
             point.y = self.snapped(point.y);
         }
@@ -240,7 +240,8 @@ impl Strip {
             self.whole.push(oriented(whole, filled));
             return Ok(());
         };
-        let mut parts = self.parts(&points, start)?;
+        let mut parts =
+            self.parts(&points, start).map_err(|LeavesMould(at)| LeavesMould(outline.indices[at]))?;
         if self.turns_wrong(&points, &parts, filled) {
             parts.iter_mut().for_each(Inside::reverse);
         }
@@ -429,9 +430,11 @@ mod tests {
     use proptest::prelude::*;
 
     fn pieces_of(boundary: &[Point2], holes: &[Vec<Point2>], width_mm: f64) -> Result<Vec<Piece>, Finding> {
-        let known = |points: &[Point2]| points.iter().copied().map(Some).collect();
-        let ply =
-            DevelopedPly { boundary: known(boundary), holes: holes.iter().map(|hole| known(hole)).collect() };
+        let known = |points: &[Point2]| points.iter().copied().map(Some).collect::<Vec<_>>();
+        let ply = DevelopedPly {
+            boundary: known(boundary).into(),
+            holes: holes.iter().map(|hole| known(hole).into()).collect(),
+        };
         within_strip(&ply, width_mm)
     }
 
@@ -495,7 +498,7 @@ mod tests {
             if turned {
                 known.reverse();
             }
-            let pieces = within_strip(&DevelopedPly { boundary: known, holes: vec![] }, 75.0).unwrap();
+            let pieces = within_strip(&DevelopedPly { boundary: known.into(), holes: vec![] }, 75.0).unwrap();
             let whole = pieces_of(&ply, &[], 75.0).unwrap();
             assert_eq!((pieces.len(), pieces[0].sides.len()), (1, whole[0].sides.len()));
             assert!((pieces[0].area_mm2 - whole[0].area_mm2).abs() < 1e-6);
@@ -507,7 +510,7 @@ mod tests {
         let mut known: Vec<Developed> =
             points(&[(0.0, -90.0), (300.0, 0.0), (0.0, 90.0)]).into_iter().map(Some).collect();
         known.insert(2, None);
-        let fault = within_strip(&DevelopedPly { boundary: known, holes: vec![] }, 75.0).unwrap_err();
+        let fault = within_strip(&DevelopedPly { boundary: known.into(), holes: vec![] }, 75.0).unwrap_err();
         assert_eq!((fault.code, fault.at.as_str()), (Code::OffMould, "/input/boundary/points/1"));
     }
 

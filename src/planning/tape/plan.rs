@@ -2,7 +2,7 @@
 
 use super::assign::{RollChain, assign, passing, published};
 use super::chain::{Chain, split};
-use super::develop::develop;
+use super::develop::{PlyInSpace, develop};
 use super::input::{Course, OnExcess, TapeInput};
 use super::outline::{flat_area, report_sense};
 use super::piece::{Piece, within_strip};
@@ -95,10 +95,9 @@ fn pieces_of_courses(
     if let Some(course) = input.courses.first() {
         report_sense(&input.boundary, &course.normals[0], findings);
     }
+    let ply = PlyInSpace::new(&input.boundary, &input.holes);
     for course in &input.courses {
-        let points = input.boundary.len() + input.holes.iter().map(Vec::len).sum::<usize>();
-        budget.spend(points as u64).map_err(|finding| vec![finding])?;
-        let pieces = pieces_of(course, input).map_err(|finding| vec![finding])?;
+        let pieces = pieces_of(course, &ply, input, budget).map_err(|finding| vec![finding])?;
         if pieces.is_empty() {
             findings.push(Finding::info(
                 Code::CourseOffPly,
@@ -123,9 +122,16 @@ fn simplification(course: &Course, piece: &PlannedPiece) -> Option<Finding> {
     Some(Finding::warning(Code::OutlineSimplified, format!("/input/tracks/{}", course.index), message))
 }
 
-fn pieces_of(course: &Course, input: &TapeInput) -> Result<Vec<PlannedPiece>, Finding> {
+fn pieces_of(
+    course: &Course,
+    ply: &PlyInSpace<'_>,
+    input: &TapeInput,
+    budget: &Budget<'_>,
+) -> Result<Vec<PlannedPiece>, Finding> {
     let width = input.width.mm();
-    let ply = develop(course, &input.boundary, &input.holes, input.machine.cut_side, width)?;
+    let ply = develop(course, ply, input.machine.cut_side, width)?;
+    let points = std::iter::once(&ply.boundary).chain(&ply.holes).map(|outline| outline.places.len());
+    budget.spend(points.sum::<usize>() as u64)?;
     let pieces = within_strip(&ply, width)?;
     Ok(pieces.into_iter().map(|piece| chained(piece, input)).collect())
 }
