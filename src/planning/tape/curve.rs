@@ -7,7 +7,7 @@
 //! curvature and torsion that it ends with, and with their rate of change: on a cone of 20 degrees a helix
 //! alone would miss by 0.02 mm a tape width beyond the end.
 
-use nalgebra::{DMatrix, Dyn, OMatrix, U6};
+use nalgebra::SMatrix;
 
 use super::input::Course;
 use crate::planning::geometry::{Point3, Vector3};
@@ -48,7 +48,12 @@ pub struct Bend {
 pub struct Curve {
     nodes: Vec<Node>,
     length: f64,
+    /// A ball around each [`PART`] of consecutive nodes: its middle, and its radius in mm.
+    balls: Vec<(Point3, f64)>,
 }
+
+/// So many consecutive nodes are passed over together where they are too far away.
+const PART: usize = 16;
 
 /// Steps in mm in which a course is continued, each a helix with the bend at its middle. The error of a step is
 /// of third order; at R 800 it is far below a nanometre.
@@ -89,7 +94,8 @@ impl Curve {
         before.reverse();
         before.extend(nodes);
         before.extend(after);
-        Self { nodes: before, length }
+        let balls = before.chunks(PART).map(ball).collect();
+        Self { nodes: before, length, balls }
     }
 
     /// Length of the course in mm, without its continuations.
@@ -114,9 +120,24 @@ impl Curve {
     /// Arc length of the node nearest to a point, and its distance in mm.
     #[must_use]
     pub fn nearest_node(&self, point: &Point3) -> (f64, f64) {
-        let distance = |node: &Node| (point - node.station.origin).norm_squared();
-        let nearest = self.nodes.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        nearest.map_or((0.0, 0.0), |node| (node.station.s, distance(node).sqrt()))
+        let mut nearest = (0.0, f64::INFINITY);
+        let least = |&(middle, radius): &(Point3, f64)| (point - middle).norm() - radius;
+        let parts = self.nodes.chunks(PART).zip(&self.balls);
+        // The part that promises most comes first, so that most others need no look.
+        let first =
+            (0..self.balls.len()).min_by(|&a, &b| least(&self.balls[a]).total_cmp(&least(&self.balls[b])));
+        let promising = first.map(|first| parts.clone().skip(first).take(1));
+        for (nodes, ball) in promising.into_iter().flatten().chain(parts) {
+            if least(ball) < nearest.1 {
+                for node in nodes {
+                    let distance = (point - node.station.origin).norm();
+                    if distance < nearest.1 {
+                        nearest = (node.station.s, distance);
+                    }
+                }
+            }
+        }
+        nearest
     }
 
     /// The longest step between two nodes in mm.
@@ -132,6 +153,12 @@ impl Curve {
     }
 }
 
+fn ball(nodes: &[Node]) -> (Point3, f64) {
+    let middle = nalgebra::center(&nodes[0].station.origin, &nodes[nodes.len() - 1].station.origin);
+    let radius = nodes.iter().map(|node| (node.station.origin - middle).norm()).fold(0.0, f64::max);
+    (middle, radius)
+}
+
 fn cumulative_chords(points: &[Point3]) -> Vec<f64> {
     let mut chords = vec![0.0];
     for pair in points.windows(2) {
@@ -144,22 +171,30 @@ fn fit(course: &Course, chords: &[f64], index: usize) -> Fit {
     let (first, last) = window(index, chords.len());
     let rows = last - first + 1;
     let degree = DEGREE.min(rows - 1);
-    // Powers of a parameter within [-1, 1] keep the system well conditioned.
+    // Powers of a parameter within [-1, 1] keep the system well conditioned. A smaller window leaves rows over, in which
+    // each power that it cannot tell is the only thing there is, and so comes out as 0.
     let scale = (chords[last] - chords[index]).max(chords[index] - chords[first]);
-    let powers = DMatrix::from_fn(rows, degree + 1, |row, power| {
-        ((chords[first + row] - chords[index]) / scale).powi(power as i32)
+    let powers = SMatrix::<f64, ROWS, COLUMNS>::from_fn(|row, power| match row < rows {
+        true if power <= degree => ((chords[first + row] - chords[index]) / scale).powi(power as i32),
+        false if power > degree && row - rows == power - degree - 1 => 1.0,
+        _ => 0.0,
     });
-    let values = OMatrix::<f64, Dyn, U6>::from_fn(rows, |row, column| match column {
+    let mut values = SMatrix::<f64, ROWS, 6>::from_fn(|row, column| match column {
+        _ if row >= rows => 0.0,
         0..3 => course.points[first + row][column] - course.points[index][column],
         _ => course.normals[first + row][column - 3],
     });
     let qr = powers.qr();
-    let coefficients = qr.r().solve_upper_triangular(&(qr.q().transpose() * values));
-    let row = |power: usize, column: usize| match &coefficients {
-        Some(found) if power <= degree => {
-            Vector3::new(found[(power, column)], found[(power, column + 1)], found[(power, column + 2)])
-        }
-        _ => Vector3::zeros(),
+    qr.q_tr_mul(&mut values);
+    let top = values.fixed_rows::<COLUMNS>(0).into_owned();
+    // Points of a course differ, so there always is one.
+    let coefficients = qr.r().solve_upper_triangular(&top).unwrap_or_else(SMatrix::zeros);
+    let row = |power: usize, column: usize| {
+        Vector3::new(
+            coefficients[(power, column)],
+            coefficients[(power, column + 1)],
+            coefficients[(power, column + 2)],
+        )
     };
     Fit {
         rate: row(1, 0) / scale,
@@ -167,6 +202,10 @@ fn fit(course: &Course, chords: &[f64], index: usize) -> Fit {
         normal_rate: row(1, 3) / scale,
     }
 }
+
+/// The rows of a full window, and the powers from 0.
+const ROWS: usize = 2 * REACH + 1;
+const COLUMNS: usize = DEGREE + 1;
 
 /// The neighbours of a point, shifted inward at the ends so that a fit there has as many.
 fn window(index: usize, count: usize) -> (usize, usize) {
