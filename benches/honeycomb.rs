@@ -60,7 +60,7 @@ fn optimum_ripopt(bencher: Bencher) {
 #[divan::bench]
 fn table_1_planned_and_replayed(bencher: Bencher) {
     let (_, input) = table_1();
-    let cell = cell::check(None, &mut Vec::new());
+    let cell = cell::check(None, &Catalogue::built_in(), None, &mut Vec::new());
     let spacing = Spacing { layer: 4.398, step: 5.968, swing: 34.155_f64.to_radians() };
     let sha256 = "00ff".repeat(16);
     bencher.bench_local(|| {

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 use utoipa::OpenApi;
 
 use super::router;
+use crate::planning::catalogue::PROFILE;
 use crate::planning::document::JOB;
 use crate::planning::document::files::MOST_FILES;
 
@@ -30,10 +31,15 @@ struct Document;
 /// Where handlers point for the job document; its schema is made from the shape that reads it.
 pub const JOB_DOCUMENT: &str = "JobDocument";
 
+/// Where bodies point for a machine's profile; likewise.
+const MACHINE_PROFILE: &str = "MachineProfile";
+
 static TEXT: LazyLock<String> = LazyLock::new(|| {
     let document = router::document(Document::openapi());
     let mut value = serde_json::to_value(document).expect("the document is made of texts and lists of them");
     value["components"]["schemas"][JOB_DOCUMENT] = job_document();
+    value["components"]["schemas"][MACHINE_PROFILE] = machine_profile();
+    refer_to_profiles(&mut value["components"]["schemas"]);
     value["components"]["securitySchemes"]["key"] = json!({"type": "http", "scheme": "bearer",
         "description": "A key that bladeplan key create has printed. Without any keys, the service on loopback asks for none."});
     value["security"] = json!([{"key": []}, {}]);
@@ -66,5 +72,28 @@ fn form() -> Value {
 fn job_document() -> Value {
     let mut schema = JOB.schema();
     schema["description"] = json!("A job. Lengths are in mm, angles in degrees; numbers must be finite.");
+    schema
+}
+
+/// Bodies hold profiles as JSON of any kind; here stands which.
+fn refer_to_profiles(schemas: &mut Value) {
+    let profile = json!({"$ref": format!("#/components/schemas/{MACHINE_PROFILE}")});
+    let or_none = json!({"oneOf": [{"type": "null"}, profile]});
+    for (body, schema) in
+        [("MachineRequest", &profile), ("Machine", &profile), ("MachineAmendment", &or_none)]
+    {
+        let property = &mut schemas[body]["properties"]["profile"];
+        let description = property["description"].take();
+        *property = schema.clone();
+        property["description"] = description;
+    }
+}
+
+fn machine_profile() -> Value {
+    let mut schema = PROFILE.schema();
+    schema["description"] = json!(
+        "A machine: a tape cutter, or a robot cell. Lengths are in mm, angles in degrees. A robot cell has no file: \
+         its arm is a built-in one by name, or stands in it in full."
+    );
     schema
 }

@@ -1,13 +1,13 @@
 //! One planning attempt: a job document and its files in, an outcome out. The same input gives the same bytes.
 
 use super::budget::Budget;
+use super::catalogue::Catalogue;
 use super::document::files::Files;
 use super::document::{JobDocument, JobInput};
 use super::finding::Finding;
 use super::honeycomb;
 use super::outcome::{Outcome, ProgramFile, sha256_hex};
 use super::tape;
-use super::tape::machine::Catalogue;
 
 /// Checks what can be checked without planning: what makes a POST a 422 and the command line exit 2.
 ///
@@ -19,9 +19,9 @@ pub fn validate(document: &JobDocument, files: &Files, catalogue: &Catalogue) ->
     let mut faults = files.faults(&document.named_files);
     let checked = match &document.input {
         JobInput::TapeCut(input) => tape::input::check(input, catalogue).map(|_| ()),
-        JobInput::HoneycombCut(input) => honeycomb::validate_cut(input),
+        JobInput::HoneycombCut(input) => honeycomb::validate_cut(input, catalogue),
         JobInput::HoneycombOptimum(input) => honeycomb::input::check_optimum(input).map(|_| ()),
-        JobInput::HoneycombConvert(input) => honeycomb::conversion::validate(input),
+        JobInput::HoneycombConvert(input) => honeycomb::conversion::validate(input, catalogue),
     };
     faults.extend(checked.err().unwrap_or_default());
     if faults.is_empty() { Ok(()) } else { Err(faults) }
@@ -39,12 +39,14 @@ pub fn plan(
     budget: &Budget<'_>,
 ) -> Result<Outcome, Vec<Finding>> {
     refuse_other_files(document, files, catalogue)?;
-    let input_sha256 = fingerprint(document, files);
+    let input_sha256 = fingerprint(document, files, catalogue);
     match &document.input {
         JobInput::TapeCut(input) => tape::plan(input, files, catalogue, &input_sha256, budget),
-        JobInput::HoneycombCut(input) => honeycomb::plan_cut(input, files, &input_sha256, budget),
+        JobInput::HoneycombCut(input) => honeycomb::plan_cut(input, files, catalogue, &input_sha256, budget),
         JobInput::HoneycombOptimum(input) => honeycomb::plan_optimum(input, &input_sha256, budget),
-        JobInput::HoneycombConvert(input) => honeycomb::conversion::plan(input, files, &input_sha256, budget),
+        JobInput::HoneycombConvert(input) => {
+            honeycomb::conversion::plan(input, files, catalogue, &input_sha256, budget)
+        }
     }
 }
 
@@ -61,16 +63,18 @@ pub fn check(
     budget: &Budget<'_>,
 ) -> Result<(String, Vec<Finding>), Vec<Finding>> {
     refuse_other_files(document, files, catalogue)?;
-    let input_sha256 = fingerprint(document, files);
+    let input_sha256 = fingerprint(document, files, catalogue);
     match &document.input {
         JobInput::TapeCut(input) => {
             let (name, text) = program.first().map_or(("", ""), |main| (&main.name, &main.text));
             tape::check(input, files, catalogue, &input_sha256, name, text, budget)
         }
-        JobInput::HoneycombCut(input) => honeycomb::check_cut(input, files, &input_sha256, program, budget),
+        JobInput::HoneycombCut(input) => {
+            honeycomb::check_cut(input, files, catalogue, &input_sha256, program, budget)
+        }
         JobInput::HoneycombOptimum(_) => Ok(("this kind of job has no program".to_owned(), Vec::new())),
         JobInput::HoneycombConvert(input) => {
-            honeycomb::conversion::check(input, files, &input_sha256, program, budget)
+            honeycomb::conversion::check(input, files, catalogue, &input_sha256, program, budget)
         }
     }
 }
@@ -87,10 +91,14 @@ fn refuse_other_files(
     validate(document, files, catalogue)
 }
 
-/// The SHA-256 of what decides the plan: the kind, the input and the files that it names, by name and content; not
-/// the name and the references of the job. The input is one line of JSON, so that no two of these texts mean the same.
-fn fingerprint(document: &JobDocument, files: &Files) -> String {
+/// The SHA-256 of what decides the plan: the kind, the input, the files that it names, by name and content, and the
+/// profile of a registered machine that it names, for that may change; not the name and the references of the job.
+/// The input is one line of JSON and a listing begins with a hash, so that no two of these texts mean the same.
+fn fingerprint(document: &JobDocument, files: &Files, catalogue: &Catalogue) -> String {
     let mut text = serde_json::to_vec(&document.input).unwrap_or_default();
+    if let Some(profile) = document.input.named_machine().and_then(|name| catalogue.registered(name)) {
+        text.extend_from_slice(format!("\nmachine {}", profile.fingerprint()).as_bytes());
+    }
     if !files.is_empty() {
         text.push(b'\n');
         text.extend_from_slice(files.listing().as_bytes());
@@ -127,13 +135,13 @@ mod tests {
     #[test]
     fn the_fingerprint_covers_names_and_contents_and_nothing_for_people() {
         let both = files(&[("boundary.txt", "0 0 0"), ("trace.txt", "1")]);
-        let first = fingerprint(&document("x"), &both);
-        assert_eq!(fingerprint(&document("y"), &both), first);
+        let first = fingerprint(&document("x"), &both, &Catalogue::built_in());
+        assert_eq!(fingerprint(&document("y"), &both, &Catalogue::built_in()), first);
         let content = files(&[("boundary.txt", "0 0 1"), ("trace.txt", "1")]);
         let swapped = files(&[("boundary.txt", "1"), ("trace.txt", "0 0 0")]);
         let fewer = files(&[("boundary.txt", "0 0 0")]);
         for other in [content, swapped, fewer, Files::default()] {
-            assert_ne!(fingerprint(&document("x"), &other), first, "{other:?}");
+            assert_ne!(fingerprint(&document("x"), &other, &Catalogue::built_in()), first, "{other:?}");
         }
     }
 
@@ -141,7 +149,7 @@ mod tests {
     fn a_document_without_files_keeps_the_fingerprint_that_it_always_had() {
         let document = document("x");
         let text = serde_json::to_vec(&document.input).unwrap();
-        assert_eq!(fingerprint(&document, &Files::default()), sha256_hex(&text));
+        assert_eq!(fingerprint(&document, &Files::default(), &Catalogue::built_in()), sha256_hex(&text));
     }
 
     #[test]

@@ -50,6 +50,8 @@ codes! {
     WrongCount,
     /// A machine that is neither built in nor registered.
     UnknownMachine,
+    /// A machine of another kind than the job needs.
+    WrongMachine,
     /// A file name with a path in it, or of a file that was not sent.
     UnknownFile,
     /// A file that was sent and that no field of the document names.

@@ -2,6 +2,7 @@
 
 pub mod attempt;
 pub mod budget;
+pub mod catalogue;
 pub mod document;
 pub mod drawing;
 pub mod finding;

@@ -3,8 +3,7 @@
 use super::audit::{self, Deed};
 use super::{Error, Result, Store, Writing};
 use crate::job::moment::Moment;
-use crate::planning::tape::machine::fingerprint;
-use crate::planning::tape::wire::MachineProfile;
+use crate::planning::catalogue::Profile;
 
 /// A registered machine.
 #[derive(Debug, Clone)]
@@ -14,7 +13,7 @@ pub struct Machine {
     /// The pool whose queue it shares with others.
     pub pool: Option<String>,
     /// Its profile.
-    pub profile: MachineProfile,
+    pub profile: Profile,
     /// Why it is given nothing, if so.
     pub hold: Option<Hold>,
     /// When it was registered.
@@ -28,7 +27,7 @@ pub struct Machine {
 pub struct MachineChange {
     /// Its new profile, which has the machine's name.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub profile: Option<MachineProfile>,
+    pub profile: Option<Profile>,
     /// Its new pool, or that it has none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pool: Option<Option<String>>,
@@ -107,7 +106,7 @@ impl Store {
     /// `Exists`, `Database`.
     pub async fn add_machine(
         &self,
-        profile: &MachineProfile,
+        profile: &Profile,
         pool: Option<&str>,
         actor: &str,
         now: Moment,
@@ -119,20 +118,20 @@ impl Store {
              VALUES ($1, $2, $3, $4, 1, $5)
              ON CONFLICT (name) DO NOTHING",
         )
-        .bind(&profile.name)
+        .bind(profile.name())
         .bind(pool)
         .bind(&text)
         .bind(now.unix_ms())
-        .bind(fingerprint(profile))
+        .bind(profile.fingerprint())
         .execute(&mut *tx)
         .await?;
         if added.rows_affected() == 0 {
             return Err(Error::Exists);
         }
         let detail = serde_json::json!({"pool": pool, "profile": profile});
-        note(&mut tx, actor, "machine.registered", &profile.name, detail, now).await?;
+        note(&mut tx, actor, "machine.registered", profile.name(), detail, now).await?;
         tx.commit().await?;
-        self.machine(&profile.name).await
+        self.machine(profile.name()).await
     }
 
     /// Changes profile, pool or both of a machine. Jobs that were posted before keep the profile that they froze.
@@ -154,7 +153,7 @@ impl Store {
         )
         .bind(name)
         .bind(change.profile.as_ref().map(serde_json::to_string).transpose()?)
-        .bind(change.profile.as_ref().map(fingerprint))
+        .bind(change.profile.as_ref().map(Profile::fingerprint))
         .bind(change.pool.is_some())
         .bind(change.pool.as_ref().and_then(Option::as_ref))
         .execute(&mut *tx)

@@ -12,12 +12,11 @@ use super::checking::Label;
 use super::protocol::{Lengths, Message, Part, Role};
 use crate::planning::attempt::{plan, validate};
 use crate::planning::budget::{Budget, DEFAULT_STEPS};
+use crate::planning::catalogue::{Catalogue, Profile};
 use crate::planning::document;
 use crate::planning::document::files::Files;
 use crate::planning::finding::Finding;
 use crate::planning::outcome::Outcome;
-use crate::planning::tape::machine::Catalogue;
-use crate::planning::tape::wire::MachineProfile;
 
 /// The limits of one attempt.
 #[derive(Debug, Clone, Copy, clap::Args)]
@@ -208,7 +207,7 @@ pub fn report_text(outcome: &Outcome) -> io::Result<Vec<u8>> {
 /// The machines that the document can name: the built-in ones and those that were frozen with it.
 fn catalogue(machines: &[u8]) -> Result<Catalogue, Vec<Finding>> {
     use crate::planning::finding::Code;
-    let frozen: Vec<MachineProfile> = serde_json::from_slice(machines)
+    let frozen: Vec<Profile> = serde_json::from_slice(machines)
         .map_err(|error| vec![Finding::error(Code::UnknownMachine, "/input/machine", error.to_string())])?;
     let mut catalogue = Catalogue::built_in();
     frozen.into_iter().for_each(|profile| catalogue.insert(profile));

@@ -241,7 +241,12 @@ fn replaying(job: &Value) -> impl Fn(&[ProgramFile]) -> Vec<Finding> {
     let wire: HoneycombCut = serde_json::from_value(job["input"].clone()).unwrap();
     let input = check_cut(&wire, None).unwrap();
     let mut faults = Vec::new();
-    let cell = bladeplan::planning::honeycomb::cell::check(wire.cell.as_ref(), &mut faults);
+    let cell = bladeplan::planning::honeycomb::cell::check(
+        wire.cell.as_ref(),
+        &Catalogue::built_in(),
+        None,
+        &mut faults,
+    );
     let spacing = Spacing { layer: 4.398, step: 5.968, swing: 34.155_f64.to_radians() };
     let tips = lattice_tips(Lattice::Orthogonal, &spacing, &input).unwrap();
     let cuts = wanted(&tips, spacing.swing);

@@ -9,7 +9,7 @@ use crate::honeycomb::arc;
 use crate::served::{Served, form};
 
 /// The example with three layers to cut.
-fn small() -> Value {
+pub fn small() -> Value {
     let mut job = arc();
     job["input"]["profile"]["points"] = json!([[0, 36], [85, 36]]);
     job["input"]["plan"] = json!({"lattice": "orthogonal"});

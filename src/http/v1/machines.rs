@@ -13,10 +13,9 @@ use crate::http::caller::Caller;
 use crate::http::extract::{Body, Path};
 use crate::http::problem::{Answer, Problem, ProblemBody, ProblemCode};
 use crate::http::service::Service;
-use crate::planning::document::{self, shape::Shape};
+use crate::planning::catalogue::{Catalogue, PROFILE, Profile};
+use crate::planning::document;
 use crate::planning::finding::Finding;
-use crate::planning::tape::machine::{Catalogue, check};
-use crate::planning::tape::wire::{MACHINE_PROFILE, MachineProfile};
 use crate::store::Error;
 use crate::store::machines::{Machine, MachineChange};
 
@@ -83,7 +82,7 @@ pub struct MachineBody {
     pool: Option<String>,
     /// Its profile.
     #[schema(value_type = Object)]
-    profile: MachineProfile,
+    profile: Profile,
     /// Why it is given nothing new, if so.
     #[serde(skip_serializing_if = "Option::is_none")]
     hold: Option<HoldBody>,
@@ -140,7 +139,7 @@ async fn register_machine(
     Body(request): Body<MachineRequest>,
 ) -> Answer<(StatusCode, Json<MachineBody>)> {
     let (profile, pool) = checked(request)?;
-    if Catalogue::built_in().get(&profile.name).is_some() {
+    if Catalogue::built_in().get(profile.name()).is_some() {
         return Err(Problem::new(ProblemCode::MachineExists).detail("a built-in profile has this name"));
     }
     let added = service.store().add_machine(&profile, pool.as_deref(), &caller.actor, clock::now()).await;
@@ -247,7 +246,7 @@ pub fn reason(words: &str) -> Answer<&str> {
     Ok(words)
 }
 
-fn checked(request: MachineRequest) -> Answer<(MachineProfile, Option<String>)> {
+fn checked(request: MachineRequest) -> Answer<(Profile, Option<String>)> {
     let profile = checked_profile(request.profile)?;
     request.pool.as_deref().map_or(Ok(()), refuse_strange_name)?;
     Ok((profile, request.pool))
@@ -255,7 +254,7 @@ fn checked(request: MachineRequest) -> Answer<(MachineProfile, Option<String>)> 
 
 fn checked_change(request: MachineAmendment, name: &str) -> Answer<MachineChange> {
     let profile = request.profile.map(checked_profile).transpose()?;
-    if let Some(other) = profile.as_ref().map(|profile| &profile.name).filter(|other| *other != name) {
+    if let Some(other) = profile.as_ref().map(Profile::name).filter(|other| *other != name) {
         let detail = format!("the profile is named {other}; a machine keeps its name");
         return Err(Problem::new(ProblemCode::InvalidRequest).detail(detail));
     }
@@ -263,15 +262,14 @@ fn checked_change(request: MachineAmendment, name: &str) -> Answer<MachineChange
     Ok(MachineChange { profile, pool: request.pool })
 }
 
-fn checked_profile(value: serde_json::Value) -> Answer<MachineProfile> {
-    const PROFILE: &Shape = &MACHINE_PROFILE;
+fn checked_profile(value: serde_json::Value) -> Answer<Profile> {
     let faults = PROFILE.faults(&value, "/profile");
     if !faults.is_empty() {
         return Err(faulty(faults));
     }
-    let profile: MachineProfile = document::typed(value, "/profile").map_err(faulty)?;
-    check(&profile, "/profile").map_err(faulty)?;
-    refuse_strange_name(&profile.name)?;
+    let profile: Profile = document::typed(value, "/profile").map_err(faulty)?;
+    profile.check("/profile").map_err(faulty)?;
+    refuse_strange_name(profile.name())?;
     Ok(profile)
 }
 

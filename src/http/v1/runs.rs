@@ -255,7 +255,7 @@ async fn get_run(
         ("If-Range" = Option<String>, Header, description = "The ETag to which the range belongs"),
         ("If-None-Match" = Option<String>, Header, description = "The ETag that is known already")),
     responses(
-        (status = 200, description = "The bytes", body = Vec<u8>, content_type = "text/plain", headers(
+        (status = 200, description = "The bytes: of the one file, or a ZIP of all", content((Vec<u8> = "text/plain"), (Vec<u8> = "application/zip")), headers(
             ("ETag" = String, description = "The SHA-256 in quotes"),
             ("Repr-Digest" = String, description = "The SHA-256 of the whole as RFC 9530 writes it"),
             ("Content-Disposition" = String, description = "The name to save it under"))),

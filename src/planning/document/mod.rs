@@ -13,9 +13,10 @@ use self::files::NamedFile;
 use self::shape::{Field, Shape, optional, required};
 use super::finding::{Code, Finding};
 use super::honeycomb::wire::{
-    HONEYCOMB_CONVERT, HONEYCOMB_CUT, HONEYCOMB_OPTIMUM, HoneycombConvert, HoneycombCut, HoneycombOptimum,
+    CellReference, HONEYCOMB_CONVERT, HONEYCOMB_CUT, HONEYCOMB_OPTIMUM, HoneycombConvert, HoneycombCut,
+    HoneycombOptimum,
 };
-use super::tape::wire::{TAPE_CUT, TapeCut};
+use super::tape::wire::{MachineReference, TAPE_CUT, TapeCut};
 
 /// A job as MES, curl and the command line send it (jobs.md).
 #[derive(Debug, Clone, Serialize)]
@@ -55,6 +56,26 @@ impl JobInput {
             Self::HoneycombCut(_) => "honeycomb-cut",
             Self::HoneycombOptimum(_) => "honeycomb-optimum",
             Self::HoneycombConvert(_) => "honeycomb-convert",
+        }
+    }
+
+    /// The name of its machine, if that does not stand in the job in full.
+    #[must_use]
+    pub fn named_machine(&self) -> Option<&str> {
+        let cell = match self {
+            Self::TapeCut(input) => {
+                return match &input.machine {
+                    MachineReference::Named(name) => Some(name),
+                    MachineReference::Inline(_) => None,
+                };
+            }
+            Self::HoneycombCut(input) => &input.cell,
+            Self::HoneycombConvert(input) => &input.cell,
+            Self::HoneycombOptimum(_) => return None,
+        };
+        match cell {
+            Some(CellReference::Named(name)) => Some(name),
+            Some(CellReference::Inline(_)) | None => None,
         }
     }
 }

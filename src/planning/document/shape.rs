@@ -85,6 +85,8 @@ pub enum Shape {
     FileName,
     /// An array of this shape, or an object naming a file.
     ArrayOrFile(&'static Shape),
+    /// An object of this shape, which has no field `file`, or an object naming a file.
+    ObjectOrFile(&'static Shape),
 }
 
 /// The shape of an object that names a file: `{"file": "milling.src"}`.
@@ -166,6 +168,8 @@ impl Shape {
                 Value::Object(_) => visit_object(FILE_FIELDS, value, at, faults),
                 _ => shape.visit(value, at, faults),
             },
+            Self::ObjectOrFile(_) if names_a_file(value) => FILE.visit(value, at, faults),
+            Self::ObjectOrFile(shape) => shape.visit(value, at, faults),
         }
     }
 
@@ -196,6 +200,10 @@ impl Shape {
             (Self::TextOr { shape, .. }, Value::Object(_)) => shape.collect(value, at, named),
             (Self::ArrayOrFile(_), Value::Object(map)) => collect_fields(FILE_FIELDS, map, at, named),
             (Self::ArrayOrFile(shape), Value::Array(_)) => shape.collect(value, at, named),
+            (Self::ObjectOrFile(_), Value::Object(_)) if names_a_file(value) => {
+                FILE.collect(value, at, named);
+            }
+            (Self::ObjectOrFile(shape), Value::Object(_)) => shape.collect(value, at, named),
             _ => {}
         }
     }
@@ -205,13 +213,17 @@ impl Shape {
     fn can_name_files(&self) -> bool {
         let any = |fields: &[Field]| fields.iter().any(|field| field.shape.can_name_files());
         match self {
-            Self::FileName | Self::ArrayOrFile(_) => true,
+            Self::FileName | Self::ArrayOrFile(_) | Self::ObjectOrFile(_) => true,
             Self::Object(fields) => any(fields),
             Self::Tagged { variants, .. } => variants.iter().any(|(_, fields)| any(fields)),
             Self::Array { item: shape, .. } | Self::TextOr { shape, .. } => shape.can_name_files(),
             _ => false,
         }
     }
+}
+
+fn names_a_file(value: &Value) -> bool {
+    value.get("file").is_some()
 }
 
 fn collect_fields(fields: &[Field], map: &Map<String, Value>, at: &str, named: &mut Vec<NamedFile>) {
@@ -450,7 +462,9 @@ impl Shape {
             }
             Self::FileName => json!({"type": "string", "minLength": 1, "maxLength": LONGEST_NAME,
                 "pattern": PLAIN_NAME}),
-            Self::ArrayOrFile(shape) => json!({"oneOf": [shape.schema(), FILE.schema()]}),
+            Self::ArrayOrFile(shape) | Self::ObjectOrFile(shape) => {
+                json!({"oneOf": [shape.schema(), FILE.schema()]})
+            }
         }
     }
 }
@@ -475,12 +489,15 @@ mod tests {
         optional("points", Shape::Array { item: &POINT, min: 0, max: 9 }),
         optional("file", Shape::FileName),
     ]);
+    const ARM_OR_FILE: Shape =
+        Shape::ObjectOrFile(&Shape::Object(&[required("reach", Shape::Positive { max: 9.0 })]));
     const FIELDS: &[Field] = &[
         required("kind", Shape::Word(&["a"])),
         optional("loops/all", Shape::Array { item: &LOOP, min: 0, max: 9 }),
         optional("tracks", Shape::ArrayOrFile(&Shape::Array { item: &LOOP, min: 0, max: 9 })),
         optional("krl", FILE),
         optional("profile", Shape::TextOr { max_chars: 9, shape: &FILE }),
+        optional("robot", Shape::TextOr { max_chars: 9, shape: &ARM_OR_FILE }),
         optional("label", Shape::Text { max_chars: 9 }),
         optional("notes", Shape::Texts { max: 9, max_chars: 9 }),
     ];
@@ -510,6 +527,24 @@ mod tests {
         let listed = json!({"kind": "a", "tracks": [{"file": "in a list"}], "profile": "built-in"});
         assert_eq!(named(&listed), [("/tracks/0/file".to_owned(), "in a list".to_owned())]);
         assert_eq!(named(&json!({"kind": "a"})), []);
+    }
+
+    #[test]
+    fn an_object_that_may_stand_in_a_file_is_one_of_the_two() {
+        let at = |robot: Value| -> Vec<(Code, String)> {
+            let faults = DOCUMENT.faults(&json!({"kind": "a", "robot": robot}), "");
+            faults.into_iter().map(|fault| (fault.code, fault.at)).collect()
+        };
+        assert_eq!(named(&json!({"kind": "a", "robot": {"reach": 3}})), []);
+        let file = json!({"kind": "a", "robot": {"file": "arm.json"}});
+        assert_eq!(named(&file), [("/robot/file".to_owned(), "arm.json".to_owned())]);
+        assert_eq!(at(json!({"reach": 0})), [(Code::OutOfRange, "/robot/reach".to_owned())]);
+        assert_eq!(at(json!({})), [(Code::MissingField, "/robot/reach".to_owned())]);
+        let both = json!({"reach": 3, "file": "arm.json"});
+        assert_eq!(at(both), [(Code::UnknownField, "/robot/reach".to_owned())]);
+        assert_eq!(at(json!({"file": "../arm.json"})), [(Code::UnknownFile, "/robot/file".to_owned())]);
+        assert_eq!(at(json!({"file": null})), [(Code::WrongType, "/robot/file".to_owned())]);
+        assert_eq!(at(json!([])), [(Code::WrongType, "/robot".to_owned())]);
     }
 
     #[test]

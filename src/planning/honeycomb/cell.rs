@@ -1,11 +1,13 @@
 //! The robot cell of a honeycomb job, checked; and what a program is written with where none is given.
 
 use super::wire;
+use crate::planning::catalogue::Catalogue;
+use crate::planning::document::files::Files;
 use crate::planning::finding::{Code, Finding};
 use crate::planning::geometry::frame::{Frame, Pose};
 use crate::planning::outcome::sha256_hex;
 use crate::planning::program::robot_moves::{Joints, RobotSetup, Speeds, ToolDirection};
-use crate::planning::robot::arm::{self, Catalogue};
+use crate::planning::robot::arm::{self, Arm, ArmReference};
 use crate::planning::robot::check::Robot;
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -14,7 +16,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 pub struct Cell {
     /// The arm in its cell; none where the job names no cell.
     pub robot: Option<Robot>,
-    /// Name of the arm, and the hash of the whole cell: a program is for this cell and no other.
+    /// Its name and the hash of the whole of it: a program is for this cell and no other.
     pub identity: Option<Identity>,
     /// The tip in the flange.
     pub tool: Frame,
@@ -35,38 +37,86 @@ pub struct Cell {
 /// Which cell a program is for.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Identity {
-    /// The name of the arm.
+    /// The name of the cell, or of its arm if it has none.
     pub name: String,
-    /// SHA-256 of the cell as JSON, in lower-case hex.
+    /// The [`fingerprint`] of the cell.
     pub sha256: String,
 }
 
 /// Candle position of a KUKA arm with the forearm level: where programs without a cell begin.
 const USUAL_HOME: Joints = [0.0, -90.0, 90.0, 0.0, 0.0, 0.0];
 
-/// Checks a cell and takes it over.
-pub fn check(cell: Option<&wire::Cell>, faults: &mut Vec<Finding>) -> Cell {
+/// Checks the cell of a job and takes it over. Without `files` an arm that stands in one is taken as right and left
+/// out: that is for who only checks a document.
+pub fn check(
+    reference: Option<&wire::CellReference>,
+    catalogue: &Catalogue,
+    files: Option<&Files>,
+    faults: &mut Vec<Finding>,
+) -> Cell {
     const AT: &str = "/input/cell";
-    let Some(cell) = cell else { return Cell::unknown() };
-    let found = arm::resolve(&cell.robot, &Catalogue::built_in(), &format!("{AT}/robot")).and_then(|arm| {
-        let name = arm.name.clone();
-        Robot::new(arm, cell.tool_frame.pose(), cell.base_frame.pose(), cell.home_deg)
-            .map(|robot| (robot, name))
-    });
-    let (robot, name) = match found {
-        Ok((robot, name)) => (Some(robot), name),
-        Err(found) => {
-            faults.extend(found);
-            (None, String::new())
-        }
-    };
-    if let Some(robot) = &robot {
-        faults.extend(home_faults(robot, AT));
+    match reference {
+        None => Cell::unknown(),
+        Some(wire::CellReference::Inline(cell)) => taken_over(cell, files, AT, faults),
+        Some(wire::CellReference::Named(name)) => match catalogue.robot_cell(name, AT) {
+            Ok(cell) => taken_over(cell, files, AT, faults),
+            Err(fault) => {
+                faults.push(fault);
+                Cell::unknown()
+            }
+        },
     }
-    let text = serde_json::to_vec(cell).unwrap_or_default();
+}
+
+/// Checks a cell that is to be registered.
+///
+/// # Errors
+/// Every fault with pointers below `at`: those of any cell, and an arm in a file, for a machine brings none.
+pub fn check_profile(cell: &wire::Cell, at: &str) -> Result<(), Vec<Finding>> {
+    let mut faults = Vec::new();
+    if let ArmReference::File(_) = &cell.robot {
+        let message =
+            "a machine's profile brings no files: put the arm itself here, or the name of a built-in one";
+        faults.push(Finding::error(Code::UnknownFile, format!("{at}/robot/file"), message));
+    }
+    taken_over(cell, None, at, &mut faults);
+    if faults.is_empty() { Ok(()) } else { Err(faults) }
+}
+
+/// The SHA-256 of a cell without its name, and with its arm in full: cells with the same one can run each other's
+/// programs, others must not. Where an arm comes from, a name, a file or the cell itself, makes no difference.
+#[must_use]
+pub fn fingerprint(cell: &wire::Cell) -> String {
+    let arm = arm::resolve(&cell.robot, &arm::Catalogue::built_in(), None, "");
+    hashed(cell, arm.ok().flatten().as_ref())
+}
+
+fn hashed(cell: &wire::Cell, arm: Option<&Arm>) -> String {
+    let robot = arm.map_or_else(|| cell.robot.clone(), |arm| ArmReference::Inline(Box::new(arm.clone())));
+    let nameless = wire::Cell { name: None, kind: None, robot, ..cell.clone() };
+    sha256_hex(&serde_json::to_vec(&nameless).unwrap_or_default())
+}
+
+fn taken_over(cell: &wire::Cell, files: Option<&Files>, at: &str, faults: &mut Vec<Finding>) -> Cell {
+    let arm = arm::resolve(&cell.robot, &arm::Catalogue::built_in(), files, &format!("{at}/robot"));
+    let arm = arm.unwrap_or_else(|found| {
+        faults.extend(found);
+        None
+    });
+    let identity = arm.as_ref().map(|arm| Identity {
+        name: cell.name.as_ref().unwrap_or(&arm.name).clone(),
+        sha256: hashed(cell, Some(arm)),
+    });
+    let robot = arm.and_then(|arm| {
+        let robot = Robot::new(arm, cell.tool_frame.pose(), cell.base_frame.pose(), cell.home_deg);
+        robot.map_err(|found| faults.extend(found)).ok()
+    });
+    if let Some(robot) = &robot {
+        faults.extend(home_faults(robot, at));
+    }
     Cell {
         robot,
-        identity: Some(Identity { name, sha256: sha256_hex(&text) }),
+        identity,
         tool: cell.tool_frame,
         base: cell.base_frame,
         tool_direction: match cell.tool_direction {

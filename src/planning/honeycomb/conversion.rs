@@ -13,6 +13,7 @@ use super::replay::cuts::WantedCut;
 use super::report::{ConversionFigures, HoneycombReport, MachineFigures, RobotFigures};
 use super::{differences, wire};
 use crate::planning::budget::Budget;
+use crate::planning::catalogue::Catalogue;
 use crate::planning::document::files::Files;
 use crate::planning::finding::{Code, Finding, any_error};
 use crate::planning::geometry::Point2;
@@ -33,13 +34,17 @@ struct Input {
 ///
 /// # Errors
 /// Every fault with its JSON pointer.
-pub fn validate(input: &wire::HoneycombConvert) -> Result<(), Vec<Finding>> {
-    taken_over(input, None).map(|_| ())
+pub fn validate(input: &wire::HoneycombConvert, catalogue: &Catalogue) -> Result<(), Vec<Finding>> {
+    taken_over(input, None, catalogue).map(|_| ())
 }
 
-fn taken_over(input: &wire::HoneycombConvert, files: Option<&Files>) -> Result<Input, Vec<Finding>> {
+fn taken_over(
+    input: &wire::HoneycombConvert,
+    files: Option<&Files>,
+    catalogue: &Catalogue,
+) -> Result<Input, Vec<Finding>> {
     let mut faults = Vec::new();
-    let cell = cell::check(input.cell.as_ref(), &mut faults);
+    let cell = cell::check(input.cell.as_ref(), catalogue, files, &mut faults);
     let setting = check_setting(input.blank, &input.tool, input.process, &mut faults);
     let profile =
         input.profile.as_ref().map(|profile| check_profile(profile, &input.blank, files, &mut faults));
@@ -82,11 +87,12 @@ struct Done {
 pub fn plan(
     input: &wire::HoneycombConvert,
     files: &Files,
+    catalogue: &Catalogue,
     input_sha256: &str,
     budget: &Budget<'_>,
 ) -> Result<Outcome, Vec<Finding>> {
     budget.stage("check");
-    let checked = taken_over(input, Some(files))?;
+    let checked = taken_over(input, Some(files), catalogue)?;
     let Done { converted, replay, findings, robot } =
         carry_out(input, &checked, files, input_sha256, budget)?;
     budget.stage("draw");
@@ -255,11 +261,12 @@ fn report(
 pub fn check(
     input: &wire::HoneycombConvert,
     files: &Files,
+    catalogue: &Catalogue,
     input_sha256: &str,
     program: &[ProgramFile],
     budget: &Budget<'_>,
 ) -> Result<(String, Vec<Finding>), Vec<Finding>> {
-    let checked = taken_over(input, Some(files))?;
+    let checked = taken_over(input, Some(files), catalogue)?;
     let Done { converted, .. } = carry_out(input, &checked, files, input_sha256, budget)?;
     let (replay, mut findings) = replayed(program, &converted, &checked);
     followed(&replay, program, &checked, &mut findings, budget).map_err(|finding| vec![finding])?;

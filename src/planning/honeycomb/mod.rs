@@ -42,6 +42,7 @@ use self::report::{
     RobotFigures,
 };
 use super::budget::Budget;
+use super::catalogue::Catalogue;
 use super::document::files::Files;
 use super::finding::{Code, Finding};
 use super::outcome::{Attachment, Outcome, ProgramFile};
@@ -54,12 +55,13 @@ use super::outcome::{Attachment, Outcome, ProgramFile};
 pub fn plan_cut(
     input: &wire::HoneycombCut,
     files: &Files,
+    catalogue: &Catalogue,
     input_sha256: &str,
     budget: &Budget<'_>,
 ) -> Result<Outcome, Vec<Finding>> {
     const KIND: &str = "honeycomb-cut";
     budget.stage("check");
-    let (input, cell) = taken_over(input, Some(files))?;
+    let (input, cell) = taken_over(input, Some(files), catalogue)?;
     let mut findings = Vec::new();
     let plan = match plan::plan(&input, &cell, input_sha256, budget, &mut findings) {
         Ok(plan) => plan,
@@ -101,9 +103,13 @@ fn attachments(plan: &plan::Plan, input: &CutInput, cell: &Cell, input_sha256: &
     milling.into_iter().chain(curves).collect()
 }
 
-fn taken_over(input: &wire::HoneycombCut, files: Option<&Files>) -> Result<(CutInput, Cell), Vec<Finding>> {
+fn taken_over(
+    input: &wire::HoneycombCut,
+    files: Option<&Files>,
+    catalogue: &Catalogue,
+) -> Result<(CutInput, Cell), Vec<Finding>> {
     let mut faults = Vec::new();
-    let cell = cell::check(input.cell.as_ref(), &mut faults);
+    let cell = cell::check(input.cell.as_ref(), catalogue, files, &mut faults);
     let input = input::check_cut(input, files).map_err(|found| faults.extend(found));
     match input {
         Ok(input) if faults.is_empty() => Ok((input, cell)),
@@ -115,8 +121,8 @@ fn taken_over(input: &wire::HoneycombCut, files: Option<&Files>) -> Result<(CutI
 ///
 /// # Errors
 /// Every fault with its JSON pointer.
-pub fn validate_cut(input: &wire::HoneycombCut) -> Result<(), Vec<Finding>> {
-    taken_over(input, None).map(|_| ())
+pub fn validate_cut(input: &wire::HoneycombCut, catalogue: &Catalogue) -> Result<(), Vec<Finding>> {
+    taken_over(input, None, catalogue).map(|_| ())
 }
 
 fn cut_report(plan: &plan::Plan, input: &CutInput, cell: &Cell) -> HoneycombReport {
@@ -159,11 +165,12 @@ fn cut_report(plan: &plan::Plan, input: &CutInput, cell: &Cell) -> HoneycombRepo
 pub fn check_cut(
     input: &wire::HoneycombCut,
     files: &Files,
+    catalogue: &Catalogue,
     input_sha256: &str,
     program: &[ProgramFile],
     budget: &Budget<'_>,
 ) -> Result<(String, Vec<Finding>), Vec<Finding>> {
-    let (input, cell) = taken_over(input, Some(files))?;
+    let (input, cell) = taken_over(input, Some(files), catalogue)?;
     let mut findings = Vec::new();
     let plan = match plan::plan(&input, &cell, input_sha256, budget, &mut findings) {
         Ok(plan) => plan,

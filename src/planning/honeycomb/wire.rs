@@ -36,7 +36,7 @@ pub struct HoneycombCut {
     pub material: Option<Material>,
     /// The robot cell.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub cell: Option<Cell>,
+    pub cell: Option<CellReference>,
     /// A contour that was measured on a cut part, to be compared with the profile.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub measured: Option<Profile>,
@@ -81,7 +81,7 @@ pub struct HoneycombConvert {
     pub parameters: ConvertParameters,
     /// The robot cell.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub cell: Option<Cell>,
+    pub cell: Option<CellReference>,
 }
 
 /// A blank: a box with one corner in the part's origin.
@@ -243,11 +243,27 @@ pub struct Material {
     pub density_kg_m3: Option<f64>,
 }
 
-/// A robot cell.
+/// A robot cell by name, or a whole one.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum CellReference {
+    /// A registered cell.
+    Named(String),
+    /// A cell of the job's own.
+    Inline(Box<Cell>),
+}
+
+/// A robot cell: in a job, or the profile of a machine of kind `robot-cell`, which has a name then.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cell {
-    /// The arm: a built-in one by name, or one described in full.
+    /// Its name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Says that it is a robot cell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kind: Option<CellKind>,
+    /// The arm: a built-in one by name, one in a file, or one described in full.
     pub robot: ArmReference,
     /// The tip in the flange.
     pub tool_frame: Frame,
@@ -267,6 +283,14 @@ pub struct Cell {
     /// How far the end of a free move may be rounded off.
     #[serde(default = "blend")]
     pub blend_mm: f64,
+}
+
+/// The only kind of a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CellKind {
+    /// A robot cell.
+    RobotCell,
 }
 
 /// Along which axis of its frame a tool points.
@@ -366,16 +390,33 @@ const FRAME: Shape = Shape::Object(&[
     required("b_deg", ANGLE),
     required("c_deg", ANGLE),
 ]);
-const CELL: Shape = Shape::Object(&[
-    required("robot", Shape::TextOr { max_chars: 64, shape: &ARM }),
-    required("tool_frame", FRAME),
-    required("base_frame", FRAME),
-    required("home_deg", Shape::Array { item: &ANGLE, min: 6, max: 6 }),
-    optional("tool_direction", Shape::Word(&["z", "x"])),
-    optional("max_program_lines", Shape::Integer { min: 100, max: 100_000 }),
-    optional("ultrasonic_output", Shape::Integer { min: 1, max: 4_096 }),
-    optional("blend_mm", Shape::Number { min: 0.0, max: 100.0 }),
-]);
+const HOME: Shape = Shape::Array { item: &ANGLE, min: 6, max: 6 };
+const ROBOT: Shape = Shape::TextOr { max_chars: 64, shape: &Shape::ObjectOrFile(&ARM) };
+const CELL_NAME: Shape = Shape::Text { max_chars: 64 };
+const CELL_KIND: Shape = Shape::Word(&["robot-cell"]);
+
+/// A cell's fields: a machine has a name and says its kind, a cell in a job may.
+const fn cell_fields(named: bool) -> [Field; 10] {
+    [
+        Field { name: "name", required: named, shape: CELL_NAME },
+        Field { name: "kind", required: named, shape: CELL_KIND },
+        required("robot", ROBOT),
+        required("tool_frame", FRAME),
+        required("base_frame", FRAME),
+        required("home_deg", HOME),
+        optional("tool_direction", Shape::Word(&["z", "x"])),
+        optional("max_program_lines", Shape::Integer { min: 100, max: 100_000 }),
+        optional("ultrasonic_output", Shape::Integer { min: 1, max: 4_096 }),
+        optional("blend_mm", Shape::Number { min: 0.0, max: 100.0 }),
+    ]
+}
+
+const CELL_IN_A_JOB: [Field; 10] = cell_fields(false);
+const MACHINE: [Field; 10] = cell_fields(true);
+const CELL: Shape = Shape::TextOr { max_chars: 64, shape: &Shape::Object(&CELL_IN_A_JOB) };
+
+/// The fields of a robot cell's profile.
+pub const ROBOT_CELL: &[Field] = &MACHINE;
 
 /// The fields of a honeycomb-cut job's `input`.
 pub const HONEYCOMB_CUT: &[Field] = &[

@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::planning::document::files::{FileReference, Files};
 use crate::planning::document::shape::{Shape, required};
 use crate::planning::document::{self};
 use crate::planning::finding::{Code, Finding};
@@ -67,12 +68,14 @@ pub struct Joint {
 #[derive(Debug, Clone)]
 pub struct Catalogue(BTreeMap<String, Arm>);
 
-/// An arm by name, or a whole one.
+/// An arm by name, in a file, or a whole one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum ArmReference {
     /// A built-in or registered arm.
     Named(String),
+    /// An arm in a file of its own.
+    File(FileReference),
     /// An arm of the job's own.
     Inline(Box<Arm>),
 }
@@ -122,19 +125,47 @@ impl Catalogue {
     }
 }
 
-/// Resolves a job's arm: looks up its name, or takes the arm that stands in the job.
+/// Resolves a job's arm: looks up its name, reads its file, or takes the arm that stands in the job. None if it stands
+/// in a file and there are no `files`: that is for who only checks a document.
 ///
 /// # Errors
-/// `UnknownMachine`, or every fault of the arm, with pointers below `at`.
-pub fn resolve(reference: &ArmReference, catalogue: &Catalogue, at: &str) -> Result<Arm, Vec<Finding>> {
+/// `UnknownMachine`, `UnknownFile`, or every fault of the arm, with pointers below `at`; those of a file with its name
+/// and the pointer within it, as `NAME#/geometry/c2_mm`.
+pub fn resolve(
+    reference: &ArmReference,
+    catalogue: &Catalogue,
+    files: Option<&Files>,
+    at: &str,
+) -> Result<Option<Arm>, Vec<Finding>> {
     match reference {
-        ArmReference::Inline(arm) => checked(arm, at).map(|()| (**arm).clone()),
-        ArmReference::Named(name) => catalogue.get(name).cloned().ok_or_else(|| {
+        ArmReference::Inline(arm) => checked(arm, at).map(|()| Some((**arm).clone())),
+        ArmReference::Named(name) => catalogue.get(name).cloned().map(Some).ok_or_else(|| {
             let known: Vec<_> = catalogue.names().collect();
             let message = format!("no arm of that name; known: {}", known.join(", "));
             vec![Finding::error(Code::UnknownMachine, at, message)]
         }),
+        ArmReference::File(FileReference { file }) => {
+            files.map(|files| of_file(file, files.get(file), at)).transpose()
+        }
     }
+}
+
+fn of_file(name: &str, bytes: Option<&[u8]>, at: &str) -> Result<Arm, Vec<Finding>> {
+    let Some(bytes) = bytes else {
+        let message = format!("{name} was not sent with the job");
+        return Err(vec![Finding::error(Code::UnknownFile, format!("{at}/file"), message)]);
+    };
+    if bytes.len() > LARGEST_FILE {
+        let message = format!("has {} bytes; a file with an arm has at most {LARGEST_FILE}", bytes.len());
+        return Err(vec![Finding::error(Code::OutOfRange, name, message)]);
+    }
+    // Some editors put a byte order mark in front, which JSON does not have.
+    read(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)).map_err(|faults| within_file(name, faults))
+}
+
+fn within_file(name: &str, faults: Vec<Finding>) -> Vec<Finding> {
+    let place = |at: &str| if at.is_empty() { name.to_owned() } else { format!("{name}#{at}") };
+    faults.into_iter().map(|fault| Finding { at: place(&fault.at), ..fault }).collect()
 }
 
 /// Reads an arm from its own JSON text.
@@ -166,6 +197,8 @@ pub fn checked(arm: &Arm, at: &str) -> Result<(), Vec<Finding>> {
     if faults.is_empty() { Ok(()) } else { Err(faults) }
 }
 
+/// The largest file with an arm in bytes: fifty times what an arm takes, written generously.
+const LARGEST_FILE: usize = 64 * 1024;
 /// The longest length of an arm in mm: ten times that of any that is built.
 const LONGEST_MM: f64 = 50_000.0;
 /// The shortest link in mm: below it an arm is no arm, and the angles of its triangle lose their digits.
@@ -347,10 +380,79 @@ mod tests {
     fn an_arm_of_ones_own_is_taken_and_an_unknown_name_is_answered_with_the_known_ones() {
         let catalogue = Catalogue::built_in();
         let reference: ArmReference = serde_json::from_value(r3100()).unwrap();
-        assert_eq!(resolve(&reference, &catalogue, "").unwrap().name, "kr210-r3100-2");
+        assert_eq!(resolve(&reference, &catalogue, None, "").unwrap().unwrap().name, "kr210-r3100-2");
         let unknown = ArmReference::Named("kr6".to_owned());
-        let faults = resolve(&unknown, &catalogue, "/input/cell/robot").unwrap_err();
+        let faults = resolve(&unknown, &catalogue, None, "/input/cell/robot").unwrap_err();
         assert_eq!((faults[0].code, faults[0].at.as_str()), (Code::UnknownMachine, "/input/cell/robot"));
         assert!(faults[0].message.contains("kr210-l150"));
+    }
+
+    fn of(bytes: &[u8]) -> Result<Arm, Vec<(Code, String)>> {
+        let mut files = Files::default();
+        files.insert("my-arm.json".to_owned(), bytes.to_vec()).unwrap();
+        let reference: ArmReference = serde_json::from_value(json!({"file": "my-arm.json"})).unwrap();
+        let found = resolve(&reference, &Catalogue::built_in(), Some(&files), "/input/cell/robot");
+        found
+            .map(Option::unwrap)
+            .map_err(|faults| faults.into_iter().map(|fault| (fault.code, fault.at)).collect())
+    }
+
+    #[test]
+    fn an_arm_in_a_file_is_the_same_as_one_in_the_job() {
+        let mut text = r3100().to_string().into_bytes();
+        assert_eq!(of(&text).unwrap(), *Catalogue::built_in().get("kr210-r3100-2").unwrap());
+        text.splice(0..0, *b"\xef\xbb\xbf");
+        assert!(of(&text).is_ok(), "a byte order mark is no fault");
+    }
+
+    #[test]
+    fn a_file_that_is_not_looked_at_yet_is_no_fault_and_one_that_is_not_there_is() {
+        let reference = ArmReference::File(FileReference { file: "my-arm.json".to_owned() });
+        assert_eq!(resolve(&reference, &Catalogue::built_in(), None, "/r"), Ok(None));
+        let faults = resolve(&reference, &Catalogue::built_in(), Some(&Files::default()), "/r").unwrap_err();
+        assert_eq!((faults[0].code, faults[0].at.as_str()), (Code::UnknownFile, "/r/file"));
+    }
+
+    #[test]
+    fn every_fault_of_a_file_is_named_with_the_file_and_its_place_within() {
+        let mut arm = r3100();
+        arm["geometry"]["c2_mm"] = json!(0);
+        arm["joints"][3]["sign"] = json!("left");
+        arm["payload_kg"] = json!(210);
+        let expected = [
+            (Code::OutOfRange, "my-arm.json#/geometry/c2_mm".to_owned()),
+            (Code::WrongType, "my-arm.json#/joints/3/sign".to_owned()),
+            (Code::UnknownField, "my-arm.json#/payload_kg".to_owned()),
+        ];
+        assert_eq!(of(arm.to_string().as_bytes()).unwrap_err(), expected);
+        let mut reversed = r3100();
+        reversed["joints"][0]["min_deg"] = json!(190);
+        let expected = [(Code::OutOfRange, "my-arm.json#/joints/0/min_deg".to_owned())];
+        assert_eq!(of(reversed.to_string().as_bytes()).unwrap_err(), expected);
+    }
+
+    #[rstest]
+    #[case::empty(b"", Code::InvalidJson)]
+    #[case::cut_short(b"{\"name\": \"x", Code::InvalidJson)]
+    #[case::no_text(b"\xff\xfe\x00", Code::InvalidJson)]
+    #[case::a_name(b"\"kr210-l150\"", Code::WrongType)]
+    #[case::another_file(b"{\"file\": \"x.json\"}", Code::MissingField)]
+    fn a_file_that_is_no_arm_is_refused(#[case] bytes: &[u8], #[case] code: Code) {
+        let faults = of(bytes).unwrap_err();
+        assert_eq!(faults[0].0, code);
+        assert!(faults.iter().all(|(_, at)| at.starts_with("my-arm.json")), "{faults:?}");
+    }
+
+    #[test]
+    fn hostile_files_are_refused_by_their_size_depth_and_numbers() {
+        let mut large = r3100().to_string().into_bytes();
+        large.resize(LARGEST_FILE + 1, b' ');
+        assert_eq!(of(&large).unwrap_err(), [(Code::OutOfRange, "my-arm.json".to_owned())]);
+        large.truncate(LARGEST_FILE);
+        assert!(of(&large).is_ok());
+        let deep = "[".repeat(LARGEST_FILE);
+        assert_eq!(of(deep.as_bytes()).unwrap_err(), [(Code::TooDeep, "my-arm.json".to_owned())]);
+        let endless = r3100().to_string().replace("1350", "1e999");
+        assert_eq!(of(endless.as_bytes()).unwrap_err()[0].0, Code::InvalidNumber);
     }
 }

@@ -1,7 +1,5 @@
 //! The machine of a tape-cut job: a profile from JSON, checked, with its units as types.
 
-use std::collections::BTreeMap;
-
 use super::wire;
 use crate::planning::finding::{Code, Finding};
 use crate::planning::outcome::sha256_hex;
@@ -10,6 +8,7 @@ use crate::planning::units::{
 };
 
 pub use super::wire::{CutSide, Dialect, Edges};
+pub use crate::planning::catalogue::Catalogue;
 
 /// A two-cutter (or one-cutter) platform.
 #[derive(Debug, Clone, PartialEq)]
@@ -95,46 +94,22 @@ pub struct Cutter {
     pub up_dwell: Duration,
 }
 
-/// The machines that a job can name.
-#[derive(Debug, Clone)]
-pub struct Catalogue(BTreeMap<String, wire::MachineProfile>);
-
 /// `two-cutter-lab` is exactly the profile of jobs.md.
 const TWO_CUTTER_LAB: &str = include_str!("two-cutter-lab.json");
 
-impl Catalogue {
-    /// The built-in profiles.
-    ///
-    /// # Panics
-    /// Never: the built-in profile is part of the source and a test reads it.
-    #[must_use]
-    pub fn built_in() -> Self {
-        let lab: wire::MachineProfile =
-            serde_json::from_str(TWO_CUTTER_LAB).expect("the built-in profile fits its own type");
-        Self(BTreeMap::from([(lab.name.clone(), lab)]))
-    }
-
-    /// Adds a registered profile; one of the same name is replaced.
-    pub fn insert(&mut self, profile: wire::MachineProfile) {
-        self.0.insert(profile.name.clone(), profile);
-    }
-
-    /// The profile of that name.
-    #[must_use]
-    pub fn get(&self, name: &str) -> Option<&wire::MachineProfile> {
-        self.0.get(name)
-    }
-
-    /// All names, sorted.
-    pub fn names(&self) -> impl Iterator<Item = &str> {
-        self.0.keys().map(String::as_str)
-    }
+/// The built-in profile.
+///
+/// # Panics
+/// Never: the built-in profile is part of the source and a test reads it.
+#[must_use]
+pub fn two_cutter_lab() -> wire::MachineProfile {
+    serde_json::from_str(TWO_CUTTER_LAB).expect("the built-in profile fits its own type")
 }
 
 /// Resolves a job's machine: looks up its name, or takes the profile that stands in the job.
 ///
 /// # Errors
-/// `UnknownMachine`, or every fault of the profile, with pointers below `at`.
+/// `UnknownMachine`, `WrongMachine`, or every fault of the profile, with pointers below `at`.
 pub fn resolve(
     reference: &wire::MachineReference,
     catalogue: &Catalogue,
@@ -142,14 +117,9 @@ pub fn resolve(
 ) -> Result<Machine, Vec<Finding>> {
     match reference {
         wire::MachineReference::Inline(profile) => check(profile, at),
-        wire::MachineReference::Named(name) => match catalogue.get(name) {
-            Some(profile) => check(profile, at),
-            None => {
-                let known: Vec<_> = catalogue.names().collect();
-                let message = format!("no machine of that name; known: {}", known.join(", "));
-                Err(vec![Finding::error(Code::UnknownMachine, at, message)])
-            }
-        },
+        wire::MachineReference::Named(name) => {
+            check(catalogue.tape_cutter(name, at).map_err(|fault| vec![fault])?, at)
+        }
     }
 }
 

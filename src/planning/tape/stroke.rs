@@ -127,11 +127,11 @@ impl Stroke {
 #[cfg(test)]
 mod tests {
     use super::super::chain::split;
-    use super::super::machine::{Catalogue, check};
+    use super::super::machine::{check, two_cutter_lab};
     use super::*;
 
     fn cutter() -> Cutter {
-        check(Catalogue::built_in().get("two-cutter-lab").unwrap(), "").unwrap().cutters.remove(0)
+        check(&two_cutter_lab(), "").unwrap().cutters.remove(0)
     }
 
     fn first_blade(list: &[(f64, f64)]) -> f64 {

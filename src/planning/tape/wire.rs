@@ -503,8 +503,8 @@ const CUTTER: Shape = Shape::Object(&[
     ),
 ]);
 
-/// The shape of a machine profile.
-pub const MACHINE_PROFILE: Shape = Shape::Object(&[
+/// The fields of a tape cutter's profile.
+pub const TAPE_CUTTER: &[Field] = &[
     required("name", Shape::Text { max_chars: 64 }),
     required("kind", Shape::Word(&["tape-cutter"])),
     required("dialect", Shape::Word(&["linuxcnc", "sinumerik"])),
@@ -530,7 +530,9 @@ pub const MACHINE_PROFILE: Shape = Shape::Object(&[
             required("max_line_characters", Shape::Integer { min: SHORTEST_LINE, max: 250 }),
         ]),
     ),
-]);
+];
+
+const MACHINE_PROFILE: Shape = Shape::Object(TAPE_CUTTER);
 
 /// The fields of a tape-cut job's `input`.
 pub const TAPE_CUT: &[Field] = &[

@@ -12,7 +12,7 @@ use bladeplan::planning::program::moves::{Pose, Step, TapeProgram};
 use bladeplan::planning::program::nc::emit::emit;
 use bladeplan::planning::program::nc::read::read;
 use bladeplan::planning::program::number::rounded;
-use bladeplan::planning::tape::machine::{Catalogue, Machine, check};
+use bladeplan::planning::tape::machine::{Catalogue, Machine, check, two_cutter_lab};
 use proptest::prelude::*;
 
 use super::agreement::compare;
@@ -22,9 +22,7 @@ use crate::random_plies::{Ply, plies};
 use crate::rounds::runner;
 
 fn lab() -> Machine {
-    let catalogue = Catalogue::built_in();
-    let profile = catalogue.get("two-cutter-lab").expect("it is built in");
-    check(profile, "").expect("it is without fault")
+    check(&two_cutter_lab(), "").expect("it is without fault")
 }
 
 /// Fails with the first difference and the text.

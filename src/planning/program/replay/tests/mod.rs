@@ -7,7 +7,7 @@ mod planted;
 use super::*;
 use crate::planning::finding::Code;
 use crate::planning::program::nc::read::read;
-use crate::planning::tape::machine::{Catalogue, check};
+use crate::planning::tape::machine::{check, two_cutter_lab};
 
 /// A ">" on tape 75 mm wide: its tip at r 30, its ends at r 0. `\` by cutter 1, then `/` by cutter 2, which sits
 /// 300 mm downstream; cutter 1 stands over r 0 when U reads 100. gamma = atan(30 / 37.5) = 38.6598 degrees.
@@ -34,7 +34,7 @@ M2
 ";
 
 fn lab() -> Machine {
-    check(Catalogue::built_in().get("two-cutter-lab").unwrap(), "").unwrap()
+    check(&two_cutter_lab(), "").unwrap()
 }
 
 fn tip() -> Vec<WantedCut> {
