@@ -58,6 +58,21 @@ codes! {
     UnusedFile,
     /// Something that the contract names and this version does not do yet.
     NotSupported,
+    /// Two fields of which only one may be there.
+    ConflictingFields,
+    // -- The files of a ply.
+    /// A file that is not of the form that its name says, or ends too early.
+    UnreadableFile,
+    /// A drawing that does not say its unit; it was read in mm.
+    UnitsAssumed,
+    /// Something in a drawing that is no part of an outline (left out).
+    LeftOut,
+    /// Ends of curves that do not quite meet (joined).
+    JoinedEnds,
+    /// Curves of a drawing that do not close to an outline, or branch.
+    OpenOutline,
+    /// Something out of plane that must be flat.
+    NotFlat,
     // -- The geometry of a ply.
     /// An outline with fewer than three different points.
     TooFewPoints,
@@ -185,7 +200,8 @@ pub struct Finding {
     pub severity: Severity,
     /// What it is.
     pub code: Code,
-    /// Where: a JSON pointer into the job document (RFC 6901; empty for the whole), or `NAME:LINE` of a program.
+    /// Where: a JSON pointer into the job document (RFC 6901; empty for the whole), or `NAME:LINE` of a
+    /// program or of a file that came with the job.
     pub at: String,
     /// What is wrong and by how much, in words and with units, and what to do next.
     pub message: String,

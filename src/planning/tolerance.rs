@@ -31,6 +31,20 @@ pub const REPLAY_SLACK_MM: f64 = 0.001;
 /// How far a mould point may leave the common plane, in mm, before a ply is no longer flat.
 pub const FLAT_MM: f64 = 0.001;
 
+/// Curves of a drawing are flattened so that no chord leaves its curve by more than this, in mm.
+///
+/// It is half of the smallest chord tolerance that a job may ask for (0.001 mm), so that thinning still has a say.
+pub const CURVE_CHORD_MM: f64 = 0.0005;
+
+/// Ends of curves in a drawing that are this close, in mm, are one end.
+///
+/// It equals the positioning of the platform's knives. Drawings print ends with four to sixteen digits, so ends that
+/// should meet do so to a thousandth; a larger gap is a fault of the drawing and not for us to close.
+pub const JOIN_MM: f64 = 0.01;
+
+/// A plane whose normal has a smaller z than this (0.6 degrees from upright) has no upper side.
+pub const UPRIGHT_COSINE: f64 = 0.01;
+
 /// How far a course point may leave the straight line through its ends, in mm, before it is no longer straight.
 ///
 /// It is half of the chord tolerance, so that a course that passes can spend the rest on thinning.

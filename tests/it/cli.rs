@@ -30,7 +30,11 @@ fn files(folder: &Path) -> Vec<String> {
 #[test]
 fn a_usable_job_ends_with_0_and_leaves_its_files() {
     let folder = TempDir::new().unwrap();
-    for job in ["examples/first.job.json", "examples/wing-skin-trapezoid-45.job.json"] {
+    for job in [
+        "examples/first.job.json",
+        "examples/wing-skin-trapezoid-45.job.json",
+        "examples/rib-panel-dxf.job.json",
+    ] {
         let (code, said) = plan(&project(job), folder.path());
         assert_eq!(code, 0, "{said}");
         let report = fs::read(folder.path().join("report.json")).unwrap();
@@ -102,8 +106,7 @@ fn a_file_beside_the_job_is_read_from_wherever_the_command_is_given() {
     let job = job_naming(&folder, "boundary 1.txt");
     fs::write(folder.path().join("boundary 1.txt"), "0 0 0\n").unwrap();
     let out = folder.path().join("out");
-    // No content of a file is read for a ply yet; that its planner knows the file is seen by the length it names.
-    let expected = "/input/boundary/file: not_supported: boundary 1.txt is there with 6 bytes";
+    let expected = "error: boundary 1.txt:1: too_few_points: an outline needs three different points";
     let (code, said) = plan(&job, &out);
     assert_eq!(code, 2);
     assert!(said.contains(expected), "{said}");

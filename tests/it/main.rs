@@ -5,6 +5,7 @@
 mod accepted;
 mod cli;
 mod docker;
+mod files;
 mod golden;
 mod honeycomb;
 mod honeycomb_optimum;

@@ -245,8 +245,7 @@ pub fn small_job(name: &str) -> Value {
     ply(name, json!([[0, 0, 0], [400, 0, 0], [400, 80, 0], [0, 80, 0]]), &[40.0])
 }
 
-/// A ply whose outline is in a file of this name. No content of a file is read for a ply yet: it is taken in, and its
-/// attempt says so.
+/// A ply whose outline is in a file of this name.
 pub fn job_with_a_file(name: &str) -> Value {
     let mut job = small_job("with a file");
     job["input"]["boundary"] = json!({"file": name});

@@ -55,8 +55,19 @@ pub(super) fn read(text: &[u8]) -> Option<JobDocument> {
 /// The input as a tree of values, without the fields that it does not have.
 fn written(input: &TapeCut) -> Option<Value> {
     let mut value = serde_json::to_value(input).ok()?;
-    value.as_object_mut()?.retain(|_, field| !field.is_null());
+    leave_out_nulls(&mut value);
     Some(value)
+}
+
+fn leave_out_nulls(value: &mut Value) {
+    match value {
+        Value::Object(fields) => {
+            fields.retain(|_, field| !field.is_null());
+            fields.values_mut().for_each(leave_out_nulls);
+        }
+        Value::Array(items) => items.iter_mut().for_each(leave_out_nulls),
+        _ => {}
+    }
 }
 
 #[cfg(test)]

@@ -115,7 +115,7 @@ pub const fn optional(name: &'static str, shape: Shape) -> Field {
 }
 
 /// At most so many faults are listed; a document with more is not worth reading further.
-pub(super) const MOST_FAULTS: usize = 100;
+pub const MOST_FAULTS: usize = 100;
 
 /// A fault message quotes at most so many characters of what it found.
 const MOST_QUOTED: usize = 40;
@@ -418,7 +418,7 @@ fn unknown_word(words: &[&str], found: &str, at: &str) -> Finding {
 }
 
 /// A text from outside, made safe and short enough to be quoted in a message.
-pub(super) fn quoted(text: &str) -> String {
+pub fn quoted(text: &str) -> String {
     let mut short: String = text.chars().take(MOST_QUOTED).collect();
     if short.len() < text.len() {
         short.push_str("...");

@@ -1,38 +1,165 @@
 //! The files that a tape-cut job names: outlines and tracks that do not stand in the document itself.
+//!
+//! The name of a file says what it is: `.dxf` a drawing, anything else plain text (docs/files.md).
 
+pub mod dxf;
+pub mod faults;
+pub mod origin;
+pub mod text;
+
+use std::borrow::Cow;
+
+use self::dxf::Wanted;
+use self::origin::{Origin, Origins};
+use self::text::{ReadLoop, ReadTrack};
 use super::wire;
 use crate::planning::document::files::Files;
 use crate::planning::finding::{Code, Finding};
 
-/// An input whose outlines and tracks are all listed: what stands in files is put in its place, so that everything
-/// after this knows points only. `files` holds every file that the input names.
+/// An input whose outlines and tracks are listed, as far as they could be read.
+#[derive(Debug)]
+pub struct Listed<'a> {
+    /// The input, with points in place of the files that could be read. Those that could not are still named.
+    pub input: Cow<'a, wire::TapeCut>,
+    /// Where each point stands.
+    pub origins: Origins,
+    /// What should be known of the files, and every fault in them, each at its line or at the place that names the
+    /// file.
+    pub findings: Vec<Finding>,
+}
+
+/// Puts what stands in files in its place, so that everything after this knows points only. `files` holds every file
+/// that the input names.
 ///
-/// # Errors
-/// `NotSupported` for each file: no text of points is read yet. What reads one belongs here.
-pub fn listed<'a>(input: &'a wire::TapeCut, files: &Files) -> Result<&'a wire::TapeCut, Vec<Finding>> {
-    let faults: Vec<_> = named(input).map(|(at, name)| unread(at, name, files)).collect();
-    if faults.is_empty() { Ok(input) } else { Err(faults) }
+/// A file of a boundary or of a cut-out may hold several loops: those after the first become further cut-outs, behind
+/// those of the document.
+#[must_use]
+pub fn listed<'a>(input: &'a wire::TapeCut, files: &Files) -> Listed<'a> {
+    let mut listed =
+        Listed { input: Cow::Borrowed(input), origins: Origins::default(), findings: Vec::new() };
+    let mut further = Vec::new();
+    let outlines = std::iter::once(&input.boundary).chain(&input.holes).enumerate();
+    for (index, outline) in outlines {
+        // What names both points and a file is refused later, for that.
+        if let (Some(name), None) = (&outline.file, &outline.points) {
+            let place = if index == 0 { Place::Boundary } else { Place::Hole(index - 1) };
+            let read = read_outline(name, outline.layers.as_ref(), place, files);
+            further.extend(listed.take_loops(name, place, read));
+        }
+    }
+    for (name, read) in further {
+        let place = Place::Hole(listed.input.holes.len());
+        listed.input.to_mut().holes.push(wire::Outline::default());
+        listed.put(name, place, read);
+    }
+    if let Some(wire::Tracks::File { file }) = &input.tracks {
+        let read = read_tracks(file, files);
+        listed.take_tracks(file, read);
+    }
+    listed
 }
 
-/// Every file that stands for points, with the JSON pointer of its name.
-fn named(input: &wire::TapeCut) -> impl Iterator<Item = (String, &str)> {
-    let holes =
-        input.holes.iter().enumerate().map(|(index, hole)| (format!("/input/holes/{index}/file"), hole));
-    let outlines = std::iter::once(("/input/boundary/file".to_owned(), &input.boundary)).chain(holes);
-    let tracks = match &input.tracks {
-        Some(wire::Tracks::File { file }) => Some(("/input/tracks/file".to_owned(), file.as_str())),
-        _ => None,
+/// Where an outline belongs.
+#[derive(Debug, Clone, Copy)]
+enum Place {
+    Boundary,
+    Hole(usize),
+}
+
+impl Place {
+    fn pointer(self) -> String {
+        match self {
+            Self::Boundary => "/input/boundary".to_owned(),
+            Self::Hole(index) => format!("/input/holes/{index}"),
+        }
+    }
+}
+
+impl<'a> Listed<'a> {
+    /// Puts the first loop of a file in its place and gives back the others.
+    fn take_loops(
+        &mut self,
+        name: &'a str,
+        place: Place,
+        read: Result<dxf::Drawing, Vec<Finding>>,
+    ) -> Vec<(&'a str, ReadLoop)> {
+        match read {
+            Ok((loops, findings)) => {
+                self.findings.extend(findings);
+                let mut loops = loops.into_iter();
+                if let Some(first) = loops.next() {
+                    self.put(name, place, first);
+                }
+                loops.map(|read| (name, read)).collect()
+            }
+            Err(faults) => {
+                self.findings.extend(faults);
+                Vec::new()
+            }
+        }
+    }
+
+    fn put(&mut self, name: &str, place: Place, read: ReadLoop) {
+        let ReadLoop { line, points, lines } = read;
+        self.origins.outline(place.pointer(), Origin { file: name.to_owned(), line, lines });
+        let input = self.input.to_mut();
+        let outline = match place {
+            Place::Boundary => &mut input.boundary,
+            Place::Hole(index) => &mut input.holes[index],
+        };
+        *outline = wire::Outline { points: Some(points), ..wire::Outline::default() };
+    }
+
+    fn take_tracks(&mut self, name: &str, read: Result<Vec<ReadTrack>, Vec<Finding>>) {
+        match read {
+            Ok(read) => {
+                let (mut tracks, mut origins) = (Vec::new(), Vec::new());
+                for ReadTrack { track, line, lines } in read {
+                    tracks.push(track);
+                    origins.push(Origin { file: name.to_owned(), line, lines });
+                }
+                self.input.to_mut().tracks = Some(wire::Tracks::Listed(tracks));
+                self.origins.tracks(origins);
+            }
+            Err(faults) => self.findings.extend(faults),
+        }
+    }
+}
+
+/// Whether a file is a drawing, by its name.
+#[must_use]
+pub fn is_drawing(name: &str) -> bool {
+    name.rsplit_once('.').is_some_and(|(_, ending)| ending.eq_ignore_ascii_case("dxf"))
+}
+
+fn read_outline(
+    name: &str,
+    layers: Option<&wire::Layers>,
+    place: Place,
+    files: &Files,
+) -> Result<dxf::Drawing, Vec<Finding>> {
+    let bytes = files.get(name).ok_or_else(|| vec![not_sent(&place.pointer(), name)])?;
+    if !is_drawing(name) {
+        return text::read_loops(name, bytes).map(|loops| (loops, Vec::new()));
+    }
+    let wanted = match place {
+        Place::Boundary => Wanted::Ply,
+        Place::Hole(_) => Wanted::CutOuts,
     };
-    outlines.filter_map(|(at, outline)| Some((at, outline.file.as_deref()?))).chain(tracks)
+    dxf::read(name, bytes, layers, wanted)
 }
 
-fn unread(at: String, name: &str, files: &Files) -> Finding {
-    let bytes = files.get(name).map_or(0, <[u8]>::len);
-    let message = format!(
-        "{name} is there with {bytes} bytes; reading points from a file is not supported yet: list them in the job \
-         document"
-    );
-    Finding::error(Code::NotSupported, at, message)
+fn read_tracks(name: &str, files: &Files) -> Result<Vec<ReadTrack>, Vec<Finding>> {
+    let bytes = files.get(name).ok_or_else(|| vec![not_sent("/input/tracks", name)])?;
+    if is_drawing(name) {
+        let message = "tracks are not read from drawings; list them, or send a plain text (docs/files.md)";
+        return Err(vec![Finding::error(Code::NotSupported, "/input/tracks/file", message)]);
+    }
+    text::read_tracks(name, bytes)
+}
+
+fn not_sent(at: &str, name: &str) -> Finding {
+    Finding::error(Code::UnknownFile, format!("{at}/file"), format!("{name} was not sent with the job"))
 }
 
 #[cfg(test)]
@@ -41,19 +168,71 @@ mod tests {
 
     use super::*;
 
-    #[test]
-    fn each_file_is_refused_at_its_own_place_and_its_bytes_are_known() {
-        let input = json!({"tape": {"width_mm": 75, "thickness_mm": 0.125}, "boundary": {"file": "b.txt"},
-            "holes": [{"points": []}, {"file": "h.txt"}], "tracks": {"file": "t.txt"}, "machine": "two-cutter-lab"});
-        let input: wire::TapeCut = serde_json::from_value(input).unwrap();
+    fn input(value: serde_json::Value) -> wire::TapeCut {
+        let mut input = json!({"tape": {"width_mm": 75, "thickness_mm": 0.125}, "machine": "two-cutter-lab"});
+        input.as_object_mut().unwrap().extend(value.as_object().unwrap().clone());
+        serde_json::from_value(input).unwrap()
+    }
+
+    fn files(pairs: &[(&str, &str)]) -> Files {
         let mut files = Files::default();
-        files.insert("h.txt".into(), b"0 0 0\n".to_vec()).unwrap();
-        let faults = listed(&input, &files).unwrap_err();
-        let places: Vec<_> = faults.iter().map(|fault| (fault.code, fault.at.as_str())).collect();
-        let not = Code::NotSupported;
-        let expected =
-            [(not, "/input/boundary/file"), (not, "/input/holes/1/file"), (not, "/input/tracks/file")];
+        for (name, body) in pairs {
+            files.insert((*name).to_owned(), body.as_bytes().to_vec()).unwrap();
+        }
+        files
+    }
+
+    #[test]
+    fn an_input_without_files_is_left_as_it_is() {
+        let input = input(json!({"boundary": {"points": [[0, 0, 0]]}, "tracks": []}));
+        assert!(matches!(listed(&input, &Files::default()).input, Cow::Borrowed(_)));
+    }
+
+    #[test]
+    fn further_loops_become_cut_outs_behind_those_of_the_document() {
+        let input = input(json!({"boundary": {"file": "b.txt"}, "tracks": {"file": "t.txt"},
+            "holes": [{"file": "h.txt"}, {"points": [[7, 7, 7]]}]}));
+        let sent = files(&[
+            ("b.txt", "0 0 0\nloop\n1 1 1\nloop\n2 2 2\n"),
+            ("h.txt", "3 3 3\nloop\n4 4 4\n"),
+            ("t.txt", "track 9\n5 5 5 0 0 1\n"),
+        ]);
+        let listed = listed(&input, &sent);
+        let first = |outline: &wire::Outline| outline.points.as_ref().unwrap()[0][0];
+        assert_eq!(first(&listed.input.boundary), 0.0);
+        assert_eq!(listed.input.holes.iter().map(first).collect::<Vec<_>>(), [3.0, 7.0, 1.0, 2.0, 4.0]);
+        assert!(
+            listed.input.holes.iter().chain([&listed.input.boundary]).all(|outline| outline.file.is_none())
+        );
+        let Some(wire::Tracks::Listed(tracks)) = &listed.input.tracks else { panic!("they are listed") };
+        assert_eq!((tracks.len(), tracks[0].number), (1, 9));
+        let mut findings = [
+            "/input/holes/2/points/0",
+            "/input/holes/4/points/0",
+            "/input/holes/1/points/0",
+            "/input/tracks/0/points/0/normal",
+        ]
+        .map(|at| Finding::info(Code::LeftOut, at, ""));
+        listed.origins.relocate(&mut findings);
+        let places = findings.map(|finding| finding.at);
+        assert_eq!(places, ["b.txt:3", "h.txt:3", "/input/holes/1/points/0", "t.txt:2"]);
+    }
+
+    #[test]
+    fn the_faults_of_all_files_are_found_together() {
+        let input = input(json!({"boundary": {"file": "b.txt"}, "tracks": {"file": "t.DXF"},
+            "holes": [{"file": "h.txt"}, {"file": "c.dxf"}, {"file": "gone.txt"}]}));
+        let sent = files(&[("b.txt", "0 0\n"), ("h.txt", "0 0 0\nx\n"), ("t.DXF", ""), ("c.dxf", "")]);
+        let listed = listed(&input, &sent);
+        let places: Vec<_> = listed.findings.iter().map(|fault| (fault.code, fault.at.as_str())).collect();
+        let expected = [
+            (Code::WrongCount, "b.txt:1"),
+            (Code::WrongType, "h.txt:2"),
+            (Code::UnreadableFile, "c.dxf:1"),
+            (Code::UnknownFile, "/input/holes/2/file"),
+            (Code::NotSupported, "/input/tracks/file"),
+        ];
         assert_eq!(places, expected);
-        assert!(faults[1].message.starts_with("h.txt is there with 6 bytes"), "{}", faults[1].message);
+        assert!(listed.findings.iter().all(Finding::is_error));
     }
 }

@@ -1,5 +1,7 @@
 //! A tape-cut job's input, checked and taken over once: what the planner works on.
 
+use super::courses::generate;
+use super::file::origin::Origins;
 use super::machine::{Catalogue, Machine, resolve};
 use super::outline::{self, Loop};
 use super::wire;
@@ -33,6 +35,8 @@ pub struct TapeInput {
     pub tolerance: Length,
     /// What was accepted and should be known.
     pub findings: Vec<Finding>,
+    /// Where stands what is not in the job document itself; the places of findings go through this.
+    pub origins: Origins,
 }
 
 /// A course: the centre line of a tape on the mould.
@@ -57,8 +61,13 @@ pub fn check(input: &wire::TapeCut, catalogue: &Catalogue) -> Result<TapeInput, 
     let mut findings = unsupported(input);
     let machine =
         resolve(&input.machine, catalogue, "/input/machine").map_err(|faults| findings.extend(faults)).ok();
-    let courses = check_courses(input, &mut findings);
+    let mut courses = check_courses(input, &mut findings);
     let (boundary, holes) = outline::check(&input.boundary, &input.holes, &mut findings);
+    let mut origins = Origins::default();
+    if let (None, Some(rule)) = (&input.tracks, &input.courses) {
+        origins = Origins::of_generated_courses();
+        courses = generated(input, rule, &boundary, &holes, &mut findings);
+    }
     let Some(machine) = machine.filter(|_| !any_error(&findings)) else {
         findings.retain(Finding::is_error);
         return Err(findings);
@@ -74,14 +83,29 @@ pub fn check(input: &wire::TapeCut, catalogue: &Catalogue) -> Result<TapeInput, 
         scrap_gap: Length::from_mm(input.options.scrap_gap_mm),
         tolerance: Length::from_mm(input.options.tolerance_mm),
         findings,
+        origins,
     })
+}
+
+/// The courses of a rule. An outline that is at fault, or in a file that is not read yet, has none.
+fn generated(
+    input: &wire::TapeCut,
+    rule: &wire::Courses,
+    boundary: &Loop,
+    holes: &[Loop],
+    findings: &mut Vec<Finding>,
+) -> Vec<Course> {
+    if outline::Plane::of(boundary).is_none() {
+        return Vec::new();
+    }
+    let courses = generate(rule, Length::from_mm(input.tape.width_mm), boundary, holes);
+    courses.map_err(|fault| findings.push(fault)).unwrap_or_default()
 }
 
 /// What the contract names and the planner does not do yet is refused, not passed over.
 fn unsupported(input: &wire::TapeCut) -> Vec<Finding> {
     let options = &input.options;
     let cases = [
-        (input.courses.is_some(), "/input/courses", "generating courses is not supported yet; send tracks"),
         (
             options.allocation == wire::Allocation::Free,
             "/input/options/allocation",
@@ -94,12 +118,17 @@ fn unsupported(input: &wire::TapeCut) -> Vec<Finding> {
 }
 
 fn check_courses(input: &wire::TapeCut, findings: &mut Vec<Finding>) -> Vec<Course> {
+    if input.tracks.is_some() && input.courses.is_some() {
+        let message = "a ply has either tracks or courses to be generated";
+        findings.push(Finding::error(Code::ConflictingFields, "/input/courses", message));
+    }
     let tracks = match &input.tracks {
         Some(wire::Tracks::Listed(tracks)) => tracks,
         Some(wire::Tracks::File { .. }) => return Vec::new(),
         None if input.courses.is_some() => return Vec::new(),
         None => {
-            findings.push(Finding::error(Code::MissingField, "/input/tracks", "a ply needs its tracks"));
+            let message = "a ply needs its tracks, or courses to be generated";
+            findings.push(Finding::error(Code::MissingField, "/input/tracks", message));
             return Vec::new();
         }
     };

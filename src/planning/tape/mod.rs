@@ -1,11 +1,12 @@
 //! Two-cutter cutting of prepreg tape (domain: two-step automated tape laying).
 //!
 //! In the order in which a job passes through: `wire` (as it stands in JSON) -> `file` (what stands in files) ->
-//! `input`, `outline` and `machine` (checked) -> `develop` -> `piece` -> `chain` -> `roll` (with `front`) ->
-//! `assign` -> `stroke` -> `timeline`. `plan` puts the geometric steps together, `report` writes the figures.
+//! `input`, `outline` and `machine` (checked), `courses` (generated) -> `develop` -> `piece` -> `chain` -> `roll` (with
+//! `front`) -> `assign` -> `stroke` -> `timeline`. `plan` puts the geometric steps together, `report` writes the figures.
 
 pub mod assign;
 pub mod chain;
+pub mod courses;
 pub mod curve;
 pub mod develop;
 pub mod excess;
@@ -28,7 +29,7 @@ use self::report::TapeReport;
 use super::budget::Budget;
 use super::document::files::Files;
 use super::drawing::drawings;
-use super::finding::{Code, Finding};
+use super::finding::{Code, Finding, any_error};
 use super::outcome::{Outcome, ProgramFile};
 use super::program::nc;
 use super::program::replay::{ReplayFigures, ReplaySetup, replay};
@@ -59,6 +60,7 @@ pub fn plan(
         Ok((plan, program)) => finish(&plan, program, &input, findings, input_sha256, budget),
         Err(faults) => {
             findings.extend(faults);
+            input.origins.relocate(&mut findings);
             Outcome::new("tape-cut", input_sha256, findings, vec![], vec![], None::<TapeReport>)
         }
     })
@@ -70,11 +72,27 @@ fn take_over(
     files: &Files,
     catalogue: &machine::Catalogue,
 ) -> Result<TapeInput, Vec<Finding>> {
-    let listed = file::listed(input, files).map_err(|mut faults| {
-        faults.extend(input::check(input, catalogue).err().unwrap_or_default());
-        faults
-    })?;
-    input::check(listed, catalogue)
+    let mut listed = file::listed(input, files);
+    let checked = input::check(&listed.input, catalogue);
+    let mut findings = std::mem::take(&mut listed.findings);
+    let mut input = match checked {
+        Ok(input) => input,
+        Err(mut faults) => {
+            listed.origins.relocate(&mut faults);
+            findings.extend(faults);
+            findings.retain(Finding::is_error);
+            return Err(findings);
+        }
+    };
+    if any_error(&findings) {
+        findings.retain(Finding::is_error);
+        return Err(findings);
+    }
+    input.origins = listed.origins.with(&input.origins);
+    input.origins.relocate(&mut input.findings);
+    findings.append(&mut input.findings);
+    input.findings = findings;
+    Ok(input)
 }
 
 /// A program as it was written, not yet replayed.
@@ -110,6 +128,7 @@ fn finish(
     budget.stage("replay");
     let (figures, faults) = replay_text(PROGRAM_NAME, &program.text, plan, input);
     findings.extend(faults);
+    input.origins.relocate(&mut findings);
     budget.stage("draw");
     // A plan whose program failed its replay is drawn too: a person then looks for the reason.
     let drawings = drawings(plan, input);
@@ -171,7 +190,10 @@ pub fn check(
     let mut findings = Vec::new();
     let plan = match plan::plan(&input, budget, &mut findings) {
         Ok(plan) => plan,
-        Err(faults) => return Ok(("the job has no plan".to_owned(), faults)),
+        Err(mut faults) => {
+            input.origins.relocate(&mut faults);
+            return Ok(("the job has no plan".to_owned(), faults));
+        }
     };
     let (figures, mut findings) = replay_text(name, text, &plan, &input);
     match write(&plan, &input, input_sha256, budget) {

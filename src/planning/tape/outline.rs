@@ -1,5 +1,6 @@
 //! The outlines of a ply: what is accepted and said, and what is refused.
 
+use super::file::is_drawing;
 use super::wire;
 use crate::planning::finding::{Code, Finding};
 use crate::planning::geometry::crossing::{Crossing, first_crossing};
@@ -38,6 +39,7 @@ pub fn check(
 
 fn take_over(outline: &wire::Outline, at: &str, findings: &mut Vec<Finding>) -> Draft {
     let at_points = format!("{at}/points");
+    refuse_odd_fields(outline, at, findings);
     let Some(points) = &outline.points else {
         if outline.file.is_none() {
             findings.push(Finding::error(
@@ -67,6 +69,22 @@ fn take_over(outline: &wire::Outline, at: &str, findings: &mut Vec<Finding>) -> 
     }
     report_closing_step(&draft, findings);
     draft
+}
+
+/// Points and a file are not both given, and only a drawing has layers.
+fn refuse_odd_fields(outline: &wire::Outline, at: &str, findings: &mut Vec<Finding>) {
+    if outline.points.is_some() && outline.file.is_some() {
+        let message = "an outline has either points or a file";
+        findings.push(Finding::error(Code::ConflictingFields, format!("{at}/file"), message));
+    }
+    let Some(layers) = &outline.layers else { return };
+    if !outline.file.as_deref().is_some_and(is_drawing) {
+        let message = "only a file whose name ends in .dxf has layers";
+        findings.push(Finding::error(Code::ConflictingFields, format!("{at}/layers"), message));
+    } else if layers.boundary.is_some() && at != "/input/boundary" {
+        let message = "a cut-out has no boundary; name the layer of the cut-outs";
+        findings.push(Finding::error(Code::ConflictingFields, format!("{at}/layers/boundary"), message));
+    }
 }
 
 /// Says which points were dropped because they repeat the one before.
@@ -179,9 +197,11 @@ pub fn flat_area(boundary: &Loop, holes: &[Loop]) -> Option<f64> {
 }
 
 /// The plane through a loop; seen against its normal the loop turns counter-clockwise.
-struct Plane {
-    origin: Point3,
-    normal: Vector3,
+pub struct Plane {
+    /// A point of it: the first of the loop.
+    pub origin: Point3,
+    /// Its unit normal.
+    pub normal: Vector3,
     x: Vector3,
     y: Vector3,
 }
@@ -189,7 +209,8 @@ struct Plane {
 impl Plane {
     /// The plane by Newell's method: its normal is that of the largest projected area. An outline whose parts
     /// cancel out, such as a bow tie, lies in the plane of its widest triangle. `None` if all points are on a line.
-    fn of(points: &Loop) -> Option<Self> {
+    #[must_use]
+    pub fn of(points: &Loop) -> Option<Self> {
         let origin = *points.first()?;
         let spans = points.windows(2).map(|pair| (pair[0] - origin).cross(&(pair[1] - origin)));
         let doubled: Vector3 = spans.sum();
@@ -203,7 +224,9 @@ impl Plane {
         Some(Self { origin, normal, x, y: normal.cross(&x) })
     }
 
-    fn holds(&self, points: &Loop) -> bool {
+    /// Whether all points lie in it, within [`FLAT_MM`].
+    #[must_use]
+    pub fn holds(&self, points: &Loop) -> bool {
         points.iter().all(|point| (point - self.origin).dot(&self.normal).abs() <= FLAT_MM)
     }
 

@@ -10,11 +10,13 @@ use serde::{Deserialize, Deserializer, Serialize};
 use crate::planning::document::shape::{Field, Shape, optional, required};
 
 /// The largest coordinate in mm: a mould of 100 m.
-const LARGEST_MM: f64 = 100_000.0;
+pub const LARGEST_MM: f64 = 100_000.0;
 /// The most points of one outline or course.
-const MOST_POINTS: usize = 5_000_000;
+pub const MOST_POINTS: usize = 5_000_000;
 /// The most holes or courses of a ply.
-const MOST_LOOPS: usize = 10_000;
+pub const MOST_LOOPS: usize = 10_000;
+/// The largest number of a course.
+pub const LARGEST_NUMBER: u32 = 1_000_000;
 /// Far above the speed or acceleration of any machine, in mm/s, mm/s^2, deg/s or deg/s^2.
 const LARGEST_RATE: f64 = 1e6;
 /// Narrower than any tape that is slit, in mm; what is meant in metres or inches is found so.
@@ -61,8 +63,8 @@ pub struct Tape {
     pub thickness_mm: f64,
 }
 
-/// A closed loop of points in mm: listed, or in a file.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+/// Closed loops of points in mm: one listed, or those of a file.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Outline {
     /// X, Y, Z in mm.
@@ -71,6 +73,21 @@ pub struct Outline {
     /// The name of an uploaded file or of one beside the job.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
+    /// The layers of a DXF drawing that hold the outlines.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub layers: Option<Layers>,
+}
+
+/// The layers of a DXF drawing, where they are not those of ASTM D6673.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Layers {
+    /// The layer of the ply's outline; 1 if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub boundary: Option<String>,
+    /// The layer of its cut-outs, which may be the same; 11 if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cut_outs: Option<String>,
 }
 
 /// All points of a ply, taken out of its input: of the boundary, the cut-outs and the courses.
@@ -454,10 +471,13 @@ const POINT: Shape = Shape::Triple { limit: LARGEST_MM };
 const OUTLINE: Shape = Shape::Object(&[
     optional("points", Shape::Array { item: &POINT, min: 0, max: MOST_POINTS }),
     optional("file", Shape::FileName),
+    optional("layers", Shape::Object(&[optional("boundary", LAYER), optional("cut_outs", LAYER)])),
 ]);
+/// The longest name of a layer that CAD systems take.
+const LAYER: Shape = Shape::Text { max_chars: 255 };
 const TRACK_POINT: Shape = Shape::Object(&[required("position", POINT), required("normal", POINT)]);
 const TRACK: Shape = Shape::Object(&[
-    required("number", Shape::Integer { min: 1, max: 1_000_000 }),
+    required("number", Shape::Integer { min: 1, max: LARGEST_NUMBER as i64 }),
     required("points", Shape::Array { item: &TRACK_POINT, min: 0, max: MOST_POINTS }),
 ]);
 const RATE: Shape = Shape::Positive { max: LARGEST_RATE };
