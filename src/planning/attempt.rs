@@ -108,6 +108,7 @@ fn fingerprint(document: &JobDocument, files: &Files, catalogue: &Catalogue) -> 
 
 #[cfg(test)]
 mod tests {
+    use super::super::catalogue::Profile;
     use super::super::document::from_value;
     use super::super::finding::Code;
     use super::*;
@@ -150,6 +151,25 @@ mod tests {
         let document = document("x");
         let text = serde_json::to_vec(&document.input).unwrap();
         assert_eq!(fingerprint(&document, &Files::default(), &Catalogue::built_in()), sha256_hex(&text));
+    }
+
+    #[test]
+    fn what_a_registered_name_stands_for_is_a_part_of_the_fingerprint_and_what_is_built_in_is_not() {
+        let document = document("x");
+        let print = |catalogue: &Catalogue| fingerprint(&document, &Files::default(), catalogue);
+        let mut catalogue = Catalogue::built_in();
+        let mut lab = tape::machine::two_cutter_lab();
+        let mut registered = |lab: &tape::wire::MachineProfile| {
+            catalogue.insert(Profile::TapeCutter(Box::new(lab.clone())));
+            print(&catalogue)
+        };
+        let nothing = registered(&lab);
+        assert_eq!(nothing, print(&Catalogue::built_in()), "the job names another machine");
+        lab.name = "nowhere".to_owned();
+        let first = registered(&lab);
+        lab.feed.max_speed_mm_s = 100.0;
+        let second = registered(&lab);
+        assert!(nothing != first && first != second && second != nothing);
     }
 
     #[test]

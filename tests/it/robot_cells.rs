@@ -31,6 +31,9 @@ fn an_arm() -> Value {
     serde_json::from_str(include_str!("../../src/planning/robot/arms/kr210-r3100-2.json")).unwrap()
 }
 
+/// Files by name.
+type Sent<'a> = &'a [(&'a str, &'a [u8])];
+
 struct Floor(Served);
 
 impl Floor {
@@ -203,7 +206,7 @@ fn a_job_for_a_machine_of_the_other_kind_or_of_none_is_refused_in_words() {
         "process": small()["input"]["process"], "parameters": {"swing_angle_deg": 30},
         "cell": "two-cutter-lab"}});
     let wave: &[u8] = include_bytes!("../fixtures/krl/wave.src");
-    let cases: [(&Value, &[(&str, &[u8])], &str, &str, &str); 4] = [
+    let cases: [(&Value, Sent, &str, &str, &str); 4] = [
         (&ply, &[], "wrong_machine", "/input/machine", "is a robot cell; this job needs a tape cutter"),
         (&core_for("two-cutter-lab"), &[], "wrong_machine", "/input/cell", "is a tape cutter"),
         (&milling, &[("wave.src", wave)], "wrong_machine", "/input/cell", "needs a robot cell"),

@@ -202,3 +202,84 @@ impl Cell {
 fn x_to_z() -> UnitQuaternion<f64> {
     UnitQuaternion::from_axis_angle(&Vector3::y_axis(), std::f64::consts::FRAC_PI_2)
 }
+
+#[cfg(test)]
+mod tests {
+    use serde_json::{Value, json};
+
+    use super::*;
+
+    fn cell() -> Value {
+        let frame = json!({"x_mm": 0, "y_mm": 0, "z_mm": 300, "a_deg": 0, "b_deg": 0, "c_deg": 0});
+        json!({"robot": "kr210-l150", "tool_frame": frame, "base_frame": frame, "home_deg": [0, -90, 90, 0, 0, 0]})
+    }
+
+    fn arm() -> Value {
+        serde_json::to_value(arm::Catalogue::built_in().get("kr210-l150").unwrap()).unwrap()
+    }
+
+    fn changed(change: impl FnOnce(&mut Value)) -> wire::Cell {
+        let mut value = cell();
+        change(&mut value);
+        serde_json::from_value(value).unwrap()
+    }
+
+    /// What a job with this cell and these files is planned for, and the faults.
+    fn checked(cell: wire::Cell, files: Option<&Files>) -> (Option<Identity>, Vec<(Code, String)>) {
+        let (reference, mut faults) = (wire::CellReference::Inline(Box::new(cell)), Vec::new());
+        let cell = check(Some(&reference), &Catalogue::built_in(), files, &mut faults);
+        (cell.identity, faults.into_iter().map(|fault| (fault.code, fault.at)).collect())
+    }
+
+    #[test]
+    fn the_name_of_a_cell_and_where_its_arm_comes_from_do_not_tell_cells_apart() {
+        let plain = fingerprint(&changed(|_| {}));
+        let named = changed(|cell| {
+            cell["name"] = json!("k-1");
+            cell["kind"] = json!("robot-cell");
+            cell["blend_mm"] = json!(wire::BLEND_MM);
+        });
+        assert_eq!(fingerprint(&named), plain);
+        assert_eq!(fingerprint(&changed(|cell| cell["robot"] = arm())), plain);
+        let mut files = Files::default();
+        files.insert("arm.json".to_owned(), arm().to_string().into_bytes()).unwrap();
+        let in_a_file = changed(|cell| cell["robot"] = json!({"file": "arm.json"}));
+        let (identity, faults) = checked(in_a_file.clone(), Some(&files));
+        let identity = identity.unwrap();
+        assert_eq!((identity.sha256, identity.name.as_str(), faults), (plain.clone(), "kr210-l150", vec![]));
+        assert_eq!(checked(named, None).0.unwrap(), Identity { name: "k-1".to_owned(), sha256: plain });
+        assert_eq!(checked(in_a_file, None), (None, vec![]), "a file is judged when the job is planned");
+    }
+
+    #[test]
+    fn everything_else_in_a_cell_and_its_arm_does() {
+        let mut hashes = vec![fingerprint(&changed(|_| {}))];
+        let changes: [fn(&mut Value); 9] = [
+            |cell| cell["robot"] = json!("kr210-r3100-2"),
+            |cell| cell["tool_frame"]["c_deg"] = json!(0.001),
+            |cell| cell["base_frame"]["x_mm"] = json!(0.001),
+            |cell| cell["home_deg"][5] = json!(1),
+            |cell| cell["tool_direction"] = json!("x"),
+            |cell| cell["max_program_lines"] = json!(2_499),
+            |cell| cell["ultrasonic_output"] = json!(2),
+            |cell| cell["blend_mm"] = json!(1),
+            |cell| {
+                cell["robot"] = arm();
+                cell["robot"]["joints"][5]["max_deg"] = json!(349);
+            },
+        ];
+        hashes.extend(changes.map(|change| fingerprint(&changed(change))));
+        hashes.sort();
+        hashes.dedup();
+        assert_eq!(hashes.len(), 10);
+    }
+
+    #[test]
+    fn a_machine_has_no_files() {
+        let in_a_file = changed(|cell| cell["robot"] = json!({"file": "arm.json"}));
+        let faults = check_profile(&in_a_file, "/profile").unwrap_err();
+        assert_eq!((faults.len(), faults[0].code), (1, Code::UnknownFile));
+        assert_eq!(faults[0].at, "/profile/robot/file");
+        assert!(check_profile(&changed(|_| {}), "/profile").is_ok());
+    }
+}
