@@ -207,13 +207,24 @@ impl Inside {
 
 /// Whether, in +u, the first crossing of an edge of the strip leads into what is on the left of the loop: an
 /// entry over the top edge, an exit over the bottom edge.
+///
+/// Where a corner only touches an edge, an entry and an exit fall on one point and say nothing.
 fn first_crossing_leads_in(parts: &[Inside]) -> bool {
-    let ends = parts.iter().flat_map(|part| {
-        let (first, last) = (part.points[0], part.points[part.points.len() - 1]);
-        [(first.x, part.enters, true), (last.x, part.leaves, false)]
-    });
-    let first = ends.min_by(|a, b| a.0.total_cmp(&b.0));
+    let first = [Edge::Top, Edge::Bottom].into_iter().filter_map(|edge| first_net_crossing(parts, edge));
+    let first = first.min_by(|a, b| a.0.total_cmp(&b.0));
     first.is_none_or(|(_, edge, entry)| entry == (edge == Edge::Top))
+}
+
+/// The first place at which more enter over an edge than leave over it, or the other way round.
+fn first_net_crossing(parts: &[Inside], edge: Edge) -> Option<(f64, Edge, bool)> {
+    let entries = parts.iter().filter(|part| part.enters == edge).map(|part| (part.points[0].x, 1));
+    let exits = parts.iter().filter(|part| part.leaves == edge);
+    let exits = exits.map(|part| (part.points[part.points.len() - 1].x, -1));
+    let mut crossings: Vec<(f64, i32)> = entries.chain(exits).collect();
+    crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let places = crossings.chunk_by(|a, b| b.0 - a.0 <= SAME_POINT_MM);
+    let mut net = places.map(|place| (place[0].0, place.iter().map(|crossing| crossing.1).sum::<i32>()));
+    net.find(|(_, sum)| *sum != 0).map(|(u, sum)| (u, edge, sum > 0))
 }
 
 /// The strip of a tape with what lies in it.
@@ -501,6 +512,23 @@ mod tests {
             let pieces = within_strip(&DevelopedPly { boundary: known.into(), holes: vec![] }, 75.0).unwrap();
             let whole = pieces_of(&ply, &[], 75.0).unwrap();
             assert_eq!((pieces.len(), pieces[0].sides.len()), (1, whole[0].sides.len()));
+            assert!((pieces[0].area_mm2 - whole[0].area_mm2).abs() < 1e-6);
+        }
+    }
+
+    /// The first corner of a ply, on the tape's edge, is an exit and an entry at once: the sense was taken from one of both.
+    #[test]
+    fn a_first_corner_that_touches_an_edge_tells_no_sense() {
+        let ply = points(&[(0.0, -37.5), (5.0, -37.4), (100.0, 37.6), (100.0, 90.0), (0.0, 90.0)]);
+        for turned in [false, true] {
+            let mut known: Vec<Developed> = ply.iter().copied().map(Some).collect();
+            known.insert(4, None);
+            if turned {
+                known.reverse();
+            }
+            let pieces = within_strip(&DevelopedPly { boundary: known.into(), holes: vec![] }, 75.0).unwrap();
+            let whole = pieces_of(&ply, &[], 75.0).unwrap();
+            assert_eq!(pieces.len(), 1);
             assert!((pieces[0].area_mm2 - whole[0].area_mm2).abs() < 1e-6);
         }
     }
