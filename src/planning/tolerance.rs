@@ -22,6 +22,12 @@ pub const ONE_PLACE_MM: f64 = 1e-4;
 /// Default chord tolerance, in mm, to which cut points are thinned out (domain.md A7).
 pub const CHORD_MM: f64 = 0.01;
 
+/// The share of the chord tolerance that the turning of a spool may take (domain.md A8); the rest is for thinning.
+///
+/// Between two places a control moves a driven spool linearly in angle and a carriage linearly in mm, which is no
+/// straight cut. Halving this share splits the moves of a cut 1.4 times as often.
+pub const SPOOL_SHARE: f64 = 0.2;
+
 /// What the printed digits of a program may add to the chord tolerance, in mm, in a replay.
 ///
 /// Four decimals round each coordinate by at most 0.00005; the two linear axes together by 0.00007. The rest

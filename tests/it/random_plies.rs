@@ -102,10 +102,15 @@ impl Ply {
 
     /// Plans its job.
     pub fn plan(&self) -> Outcome {
+        self.plan_on(&json!("two-cutter-lab"))
+    }
+
+    /// Plans its job on a machine: a name, or a whole profile.
+    pub fn plan_on(&self, machine: &Value) -> Outcome {
         let job = json!({"kind": "tape-cut", "input": {
             "tape": {"width_mm": self.width, "thickness_mm": 0.125},
             "boundary": {"points": self.outline()}, "holes": self.holes(), "tracks": self.tracks(),
-            "machine": "two-cutter-lab"}});
+            "machine": machine}});
         let document = document::from_value(job).unwrap();
         plan(&document, &Files::default(), &Catalogue::built_in(), &Budget::unwatched()).unwrap()
     }

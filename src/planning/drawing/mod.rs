@@ -27,6 +27,8 @@ pub mod sheet;
 pub mod sketch;
 pub mod svg;
 pub mod thin;
+pub mod timeline;
+pub mod tips;
 pub mod window;
 
 #[cfg(test)]
@@ -72,7 +74,7 @@ impl View {
     }
 }
 
-/// The drawings of a tape-cut plan: `pieces` and `roll`, each in both views.
+/// The drawings of a tape-cut plan: `pieces` and `roll`, each in both views, and `tips` where errors are given.
 #[must_use]
 pub fn drawings(plan: &TapePlan, input: &TapeInput) -> Vec<Drawing> {
     let pieces = piece::Pieces::new(plan, input);
@@ -85,5 +87,6 @@ pub fn drawings(plan: &TapePlan, input: &TapeInput) -> Vec<Drawing> {
                 Drawing { name: view.file_name("roll"), svg: roll.draw(view) },
             ]
         })
+        .chain(tips::tips(&crate::planning::tape::tips::tips(plan, &input.machine)))
         .collect()
 }

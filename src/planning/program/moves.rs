@@ -49,11 +49,18 @@ pub enum Step {
     OptionalStop,
 }
 
-/// A program for a tape cutter. It starts at the all-zero pose with all outputs off.
+/// A program for a tape cutter. It starts with all outputs off.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TapeProgram {
     /// What is done, in order.
     pub steps: Vec<Step>,
     /// Cycle time in s with accelerations, each move from rest to rest.
     pub time_s: f64,
+    /// When each step is done, in s from the start.
+    pub ends_s: Vec<f64>,
+    /// Where the axes are when the first step begins. A program that does not start at the all-zero pose begins with
+    /// a restartable course, which brings them there from wherever they are.
+    pub start: Pose,
+    /// Whether knives stay up and the generator off: the moves alone.
+    pub dry: bool,
 }

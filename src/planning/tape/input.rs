@@ -17,6 +17,8 @@ pub use super::wire::{OnExcess, RollOrder};
 pub struct TapeInput {
     /// Width of the tape.
     pub width: Length,
+    /// Its thickness.
+    pub thickness: Length,
     /// The ply's outline in mm, first point not repeated.
     pub boundary: Loop,
     /// Its cut-outs.
@@ -33,6 +35,10 @@ pub struct TapeInput {
     pub scrap_gap: Length,
     /// Chord tolerance.
     pub tolerance: Length,
+    /// The course from which on the program goes, if not from the start.
+    pub from_course: Option<u32>,
+    /// Whether knives stay up and the generator off.
+    pub dry_run: bool,
     /// What was accepted and should be known.
     pub findings: Vec<Finding>,
     /// Where stands what is not in the job document itself; the places of findings go through this.
@@ -74,6 +80,7 @@ pub fn check(input: &wire::TapeCut, catalogue: &Catalogue) -> Result<TapeInput, 
     };
     Ok(TapeInput {
         width: Length::from_mm(input.tape.width_mm),
+        thickness: Length::from_mm(input.tape.thickness_mm),
         boundary,
         holes,
         courses,
@@ -82,6 +89,8 @@ pub fn check(input: &wire::TapeCut, catalogue: &Catalogue) -> Result<TapeInput, 
         roll_order: input.options.roll_order,
         scrap_gap: Length::from_mm(input.options.scrap_gap_mm),
         tolerance: Length::from_mm(input.options.tolerance_mm),
+        from_course: input.options.from_course,
+        dry_run: input.options.dry_run,
         findings,
         origins,
     })

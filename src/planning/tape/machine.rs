@@ -1,8 +1,11 @@
 //! The machine of a tape-cut job: a profile from JSON, checked, with its units as types.
 
+use super::spool::{Spool, Turning};
 use super::wire;
+use super::words::{self, Words};
 use crate::planning::finding::{Code, Finding};
 use crate::planning::outcome::sha256_hex;
+use crate::planning::tolerance::SPOOL_SHARE;
 use crate::planning::units::{
     Acceleration, Angle, AngularAcceleration, AngularSpeed, Duration, Length, Speed,
 };
@@ -31,6 +34,8 @@ pub struct Machine {
     pub optional_stop_per_course: bool,
     /// The longest line of a program, in characters.
     pub max_line_characters: usize,
+    /// The words that switch knives and generator, where the dialect needs them.
+    pub words: Option<Words>,
     /// The [`fingerprint`] of its profile.
     pub profile_sha256: String,
 }
@@ -55,6 +60,27 @@ pub struct Feed {
     pub max_acceleration: Acceleration,
     /// The longest tape in one program.
     pub max_length: Length,
+    /// The spool that the axis turns; none if the axis reads a measured length.
+    pub spool: Option<Spool>,
+    /// How far off the tape may stand.
+    pub error: Length,
+}
+
+impl Feed {
+    /// The way by which a move keeps the tape's limits of speed and acceleration, in mm: a spool turns evenly, so the
+    /// tape runs fastest where its radius is largest.
+    #[must_use]
+    pub fn way_mm(&self, from_mm: f64, to_mm: f64) -> f64 {
+        let Some(spool) = &self.spool else { return (to_mm - from_mm).abs() };
+        let turn = (spool.angle_deg(to_mm) - spool.angle_deg(from_mm)).to_radians();
+        spool.largest_radius_mm(from_mm, to_mm) * turn.abs()
+    }
+
+    /// What is left of a chord tolerance for thinning, in mm: a turning spool bends straight cuts.
+    #[must_use]
+    pub fn thinning_mm(&self, tolerance_mm: f64) -> f64 {
+        if self.spool.is_some() { (1.0 - SPOOL_SHARE) * tolerance_mm } else { tolerance_mm }
+    }
 }
 
 /// A cutter: carriage, blade and press.
@@ -74,6 +100,8 @@ pub struct Cutter {
     pub travel_speed: Speed,
     /// Largest acceleration of the carriage.
     pub lateral_acceleration: Acceleration,
+    /// How far off the carriage may stand.
+    pub lateral_error: Length,
     /// Axis letter of the blade.
     pub blade_axis: char,
     /// Whether the blade cuts both ways.
@@ -129,10 +157,15 @@ pub fn resolve(
 /// Every fault of the profile, with pointers below `at`.
 pub fn check(profile: &wire::MachineProfile, at: &str) -> Result<Machine, Vec<Finding>> {
     let mut faults = unsupported(profile, at);
+    check_spool(&profile.feed, at, &mut faults);
     check_cutters(profile, at, &mut faults);
     check_letters(profile, at, &mut faults);
     check_outputs(profile, at, &mut faults);
-    if faults.is_empty() { Ok(take_over(profile)) } else { Err(faults) }
+    let words = words::check(profile, at).unwrap_or_else(|found| {
+        faults.extend(found);
+        None
+    });
+    if faults.is_empty() { Ok(take_over(profile, words)) } else { Err(faults) }
 }
 
 /// The SHA-256 of a profile without its name: machines with the same one can run each other's programs, others
@@ -154,12 +187,6 @@ fn unsupported(profile: &wire::MachineProfile, at: &str) -> Vec<Finding> {
             faults.push(Finding::error(Code::NotSupported, format!("{at}{field}"), format!("{what} yet")));
         }
     };
-    refuse(profile.dialect != Dialect::Linuxcnc, "/dialect".into(), "only linuxcnc is written");
-    refuse(
-        profile.feed.drive != wire::Drive::Length,
-        "/feed/drive".into(),
-        "only a measured length is driven",
-    );
     refuse(
         profile.carriage_clearance_mm != 0.0,
         "/carriage_clearance_mm".into(),
@@ -193,6 +220,27 @@ fn check_cutters(profile: &wire::MachineProfile, at: &str, faults: &mut Vec<Find
     }
 }
 
+fn check_spool(feed: &wire::Feed, at: &str, faults: &mut Vec<Finding>) {
+    let at = format!("{at}/feed/spool");
+    match (&feed.spool, feed.drive) {
+        (None, wire::Drive::Length) => {}
+        (None, _) => {
+            let message = "an axis that turns a spool needs its radii and the thickness of a layer";
+            faults.push(Finding::error(Code::MissingField, at, message));
+        }
+        (Some(_), wire::Drive::Length) => {
+            let message = "an axis that reads a measured length turns no spool; leave it out";
+            faults.push(Finding::error(Code::OutOfRange, at, message));
+        }
+        (Some(spool), _) => {
+            if spool.roll_radius_mm < spool.core_radius_mm {
+                let message = "the roll cannot be smaller than its core";
+                faults.push(Finding::error(Code::OutOfRange, format!("{at}/roll_radius_mm"), message));
+            }
+        }
+    }
+}
+
 fn check_letters(profile: &wire::MachineProfile, at: &str, faults: &mut Vec<Finding>) {
     let mut letters = vec![(format!("{at}/feed/axis"), &profile.feed.axis)];
     for (index, cutter) in profile.cutters.iter().enumerate() {
@@ -200,8 +248,11 @@ fn check_letters(profile: &wire::MachineProfile, at: &str, faults: &mut Vec<Find
         letters.push((format!("{at}/cutters/{index}/blade/axis"), &cutter.blade.axis));
     }
     refuse_repeats(&letters, "axis letter", faults);
-    // RS-274 reads A, B and C in degrees and the others in mm, whatever is meant.
-    for (pointer, letter) in &letters {
+    let free_feed = profile.feed.drive != wire::Drive::Length && profile.dialect != Dialect::Linuxcnc;
+    // RS-274 reads A, B and C in degrees and the others in mm, whatever is meant. A spool's degrees stand on one of
+    // the others too: LinuxCNC reckons the feed of a block by X, Y, Z, then U, V, W, then A, B, C, and a spool beside
+    // a carriage that barely moves would run as fast as it can.
+    for (pointer, letter) in letters.iter().skip(usize::from(free_feed)) {
         if pointer.ends_with("blade/axis") != ["A", "B", "C"].contains(&letter.as_str()) {
             let message = "A, B and C turn blades (degrees); U, V, W, X, Y and Z move (mm)";
             faults.push(Finding::error(Code::OutOfRange, pointer.clone(), message));
@@ -230,7 +281,7 @@ fn refuse_repeats<T: PartialEq + std::fmt::Display>(
     }
 }
 
-fn take_over(profile: &wire::MachineProfile) -> Machine {
+fn take_over(profile: &wire::MachineProfile, words: Option<Words>) -> Machine {
     Machine {
         name: profile.name.clone(),
         dialect: profile.dialect,
@@ -240,14 +291,32 @@ fn take_over(profile: &wire::MachineProfile) -> Machine {
             max_speed: Speed::from_mm_s(profile.feed.max_speed_mm_s),
             max_acceleration: Acceleration::from_mm_s2(profile.feed.max_acceleration_mm_s2),
             max_length: Length::from_mm(profile.feed.max_length_mm),
+            spool: take_over_spool(&profile.feed),
+            error: Length::from_mm(profile.feed.error_mm.unwrap_or(0.0)),
         },
         max_cutting_path_speed: Speed::from_mm_s(profile.max_cutting_path_speed_mm_s),
         cutters: profile.cutters.iter().map(take_over_cutter).collect(),
         ultrasonic_output: profile.ultrasonic.output,
         optional_stop_per_course: profile.program.optional_stop_per_course,
         max_line_characters: profile.program.max_line_characters as usize,
+        words,
         profile_sha256: fingerprint(profile),
     }
+}
+
+fn take_over_spool(feed: &wire::Feed) -> Option<Spool> {
+    let turning = match feed.drive {
+        wire::Drive::Length => return None,
+        wire::Drive::UnwindAngle => Turning::Unwinding,
+        wire::Drive::TakeupAngle => Turning::TakingUp,
+    };
+    feed.spool.map(|spool| Spool {
+        turning,
+        core_radius_mm: spool.core_radius_mm,
+        roll_radius_mm: spool.roll_radius_mm,
+        layer_mm: spool.layer_thickness_mm,
+        radius_error_mm: spool.radius_error_mm.unwrap_or(0.0),
+    })
 }
 
 fn take_over_cutter(cutter: &wire::Cutter) -> Cutter {
@@ -260,6 +329,7 @@ fn take_over_cutter(cutter: &wire::Cutter) -> Cutter {
         cutting_speed: Speed::from_mm_s(lateral.cutting_speed_mm_s),
         travel_speed: Speed::from_mm_s(lateral.travel_speed_mm_s),
         lateral_acceleration: Acceleration::from_mm_s2(lateral.max_acceleration_mm_s2),
+        lateral_error: Length::from_mm(lateral.error_mm.unwrap_or(0.0)),
         blade_axis: letter(&blade.axis),
         edges: blade.edges,
         blade_speed: AngularSpeed::from_deg_s(blade.max_speed_deg_s),

@@ -19,23 +19,35 @@ pub mod piece;
 pub mod plan;
 pub mod report;
 pub mod roll;
+pub mod setup;
+pub mod spool;
 pub mod stroke;
 pub mod timeline;
+pub mod tips;
+pub mod trace;
 pub mod wire;
+pub mod words;
 
 use self::input::TapeInput;
 use self::plan::TapePlan;
 use self::report::TapeReport;
+use self::trace::PlantedTrace;
 use super::budget::Budget;
 use super::document::files::Files;
 use super::drawing::drawings;
+use super::drawing::timeline::timeline as timeline_drawing;
 use super::finding::{Code, Finding, any_error};
 use super::outcome::{Outcome, ProgramFile};
+use super::program::moves::TapeProgram;
 use super::program::nc;
+use super::program::nc::dialect::language;
 use super::program::replay::{ReplayFigures, ReplaySetup, replay};
 
-/// Name of the one program of a tape-cut job.
-pub const PROGRAM_NAME: &str = "roll.ngc";
+/// Name of the one program of a tape-cut job, with the ending of its dialect.
+#[must_use]
+pub fn program_name(machine: &machine::Machine) -> String {
+    format!("roll.{}", language(machine.dialect).ending)
+}
 
 /// Plans a tape-cut job: a program stands in the outcome only if it was read back from its own text and its
 /// replay has passed.
@@ -98,8 +110,9 @@ fn take_over(
 /// A program as it was written, not yet replayed.
 struct Written {
     text: String,
-    time_s: f64,
+    program: TapeProgram,
     bound_time_s: f64,
+    trace: PlantedTrace,
 }
 
 fn write(
@@ -110,32 +123,39 @@ fn write(
 ) -> Result<Written, Vec<Finding>> {
     budget.stage("timeline");
     let strokes = plan.strokes(input);
+    let trace = trace::planted(plan, &strokes, input);
     let bound_time_s = timeline::bound_s(&strokes, &input.machine);
-    let program = timeline::merge(strokes, &input.machine)?;
+    let program = timeline::merge(strokes, &input.machine, input.tolerance.mm())?;
     budget.stage("write");
     let text = nc::emit::emit(&program, &input.machine, input_sha256);
-    Ok(Written { text, time_s: program.time_s, bound_time_s })
+    Ok(Written { text, program, bound_time_s, trace })
 }
 
 fn finish(
     plan: &TapePlan,
-    program: Written,
+    written: Written,
     input: &TapeInput,
     mut findings: Vec<Finding>,
     input_sha256: &str,
     budget: &Budget<'_>,
 ) -> Outcome {
     budget.stage("replay");
-    let (figures, faults) = replay_text(PROGRAM_NAME, &program.text, plan, input);
+    let name = program_name(&input.machine);
+    let (figures, faults) = replay_text(&name, &written.text, plan, input);
     findings.extend(faults);
     input.origins.relocate(&mut findings);
     budget.stage("draw");
     // A plan whose program failed its replay is drawn too: a person then looks for the reason.
-    let drawings = drawings(plan, input);
+    let mut drawings = drawings(plan, input);
+    drawings.push(timeline_drawing(&written.program, &input.machine));
     budget.stage("report");
-    let report = TapeReport::new(plan, &input.machine, program.time_s, program.bound_time_s, figures);
-    let file = ProgramFile { name: PROGRAM_NAME.to_owned(), dialect: "linuxcnc", text: program.text };
+    let Written { text, program, bound_time_s, trace } = written;
+    let report = TapeReport::new(plan, &input.machine, program.time_s, bound_time_s, figures);
+    let file = ProgramFile { name, dialect: language(input.machine.dialect).name, text };
+    let sheet = (!any_error(&findings)).then(|| setup::sheet(plan, &program, &file, input, input_sha256));
+    let attachments = trace.attachments().into_iter().chain(sheet).collect();
     Outcome::new("tape-cut", input_sha256, findings, vec![file], drawings, Some(report))
+        .with_attachments(attachments)
 }
 
 /// Reads a program back from its text and replays it against a plan. The findings are errors where the program
@@ -156,7 +176,7 @@ pub fn replay_text(
         tape_width_mm: input.width.mm(),
         wanted: &wanted,
     };
-    let (figures, mut findings) = match nc::read::read(name, text) {
+    let (figures, mut findings) = match nc::read_back(name, text, &input.machine) {
         Ok(events) => replay(&setup, &events),
         Err(faults) => (ReplayFigures::nothing_made(&wanted), faults),
     };

@@ -216,6 +216,7 @@ impl TapePlan {
     /// The strokes of each cutter in the order in which they pass it.
     #[must_use]
     pub fn strokes(&self, input: &TapeInput) -> Vec<Vec<Stroke>> {
+        let thinning_mm = input.machine.feed.thinning_mm(input.tolerance.mm());
         let mut of_cutters: Vec<Vec<Stroke>> = vec![Vec::new(); input.machine.cutters.len()];
         for (course, piece) in self.pieces().rev() {
             let mut chains: Vec<&(Chain, usize)> = piece.chains.iter().collect();
@@ -223,7 +224,7 @@ impl TapePlan {
             for (chain, cutter) in chains {
                 let machine_cutter = &input.machine.cutters[*cutter];
                 let x_of_u0 = self.figures.lead_mm - piece.offset_mm + machine_cutter.station.mm();
-                let mut made = strokes(chain, course.number, machine_cutter, x_of_u0, input.tolerance.mm());
+                let mut made = strokes(chain, course.number, machine_cutter, x_of_u0, thinning_mm);
                 let before = of_cutters[*cutter].last().and_then(|stroke| stroke.knots.last());
                 hold_back(&mut made, before.map_or(f64::NEG_INFINITY, |knot| knot.x));
                 of_cutters[*cutter].extend(made);

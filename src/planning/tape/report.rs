@@ -6,6 +6,7 @@ use super::chain::Slope;
 use super::machine::Machine;
 use super::plan::{PlannedCourse, PlannedPiece, TapePlan};
 use super::roll::RollFigures;
+use super::tips::{Tip, tips};
 use crate::planning::program::replay::ReplayFigures;
 
 /// The fields of a report that are the kind's own.
@@ -20,6 +21,8 @@ pub struct TapeReport {
     /// A lower bound of it: each axis alone at its limit of speed, with the dwells of its knife.
     bound_time_s: f64,
     replay: ReplayFigures,
+    /// Where two knives meet, and how far they miss one another for the errors in the profile.
+    tips: Vec<Tip>,
     /// Outlines changed on the scrap side to suit the knives.
     simplified: Vec<SimplifiedReport>,
 }
@@ -102,6 +105,7 @@ impl TapeReport {
             bound_time_s,
             replay,
             simplified: plan.courses.iter().filter_map(simplified_report).collect(),
+            tips: tips(plan, machine),
         }
     }
 }

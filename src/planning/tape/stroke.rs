@@ -30,6 +30,8 @@ pub struct Knot {
 pub struct Stroke {
     /// Number of the course.
     pub course: u32,
+    /// Reading of the tape axis in mm at which the knife stands over u = 0 of its piece.
+    pub x_of_u0: f64,
     /// At least two knots, x never decreasing.
     pub knots: Vec<Knot>,
 }
@@ -63,7 +65,7 @@ pub fn strokes(chain: &Chain, course: u32, cutter: &Cutter, x_of_u0: f64, tolera
         let blade_deg = rounded(segment.blade_deg, DECIMALS);
         let sharp = last_blade.is_none_or(|last: f64| (blade_deg - last).abs() > cutter.lift_angle.degrees());
         if sharp {
-            strokes.push(Stroke { course, knots: vec![Knot { x: x0, v: v0, blade_deg }] });
+            strokes.push(Stroke { course, x_of_u0, knots: vec![Knot { x: x0, v: v0, blade_deg }] });
         }
         if let Some(stroke) = strokes.last_mut() {
             if let Some(last) = stroke.knots.last_mut() {
@@ -163,6 +165,7 @@ mod tests {
     fn the_blade_turns_the_shortest_way_and_stays_in_its_range() {
         let stroke = |from: f64, to: f64| Stroke {
             course: 1,
+            x_of_u0: 0.0,
             knots: vec![Knot { x: 0.0, v: 0.0, blade_deg: from }, Knot { x: 1.0, v: 0.0, blade_deg: to }],
         };
         assert_eq!(stroke(-80.0, -80.0).turn_from(80.0, &cutter()), Some(180.0));

@@ -12,23 +12,29 @@ use super::stroke::{DECIMALS, Knot, Stroke, nearest, period_deg};
 use crate::planning::finding::{Code, Finding};
 use crate::planning::program::moves::{Pose, Step, TapeProgram};
 use crate::planning::program::number::rounded;
-use crate::planning::tolerance::BLADE_BLEND_DEG;
+use crate::planning::tolerance::{BLADE_BLEND_DEG, SPOOL_SHARE};
 
 /// The strokes of each cutter in the order in which they pass it, merged into a program.
 ///
+/// `tolerance_mm` is the chord tolerance, of which a driven spool takes its share.
+///
 /// # Errors
 /// `AxisLimit` for every stroke that a carriage, a blade or the tape cannot reach.
-pub fn merge(strokes: Vec<Vec<Stroke>>, machine: &Machine) -> Result<TapeProgram, Vec<Finding>> {
+pub fn merge(
+    strokes: Vec<Vec<Stroke>>,
+    machine: &Machine,
+    tolerance_mm: f64,
+) -> Result<TapeProgram, Vec<Finding>> {
     let unreachable = unreachable(&strokes, machine);
     if !unreachable.is_empty() {
         return Err(unreachable);
     }
-    let mut merge = Merge::new(strokes, machine);
+    let mut merge = Merge::new(strokes, machine, SPOOL_SHARE * tolerance_mm);
     merge.push(Step::Ultrasonic { on: true });
     loop {
         merge.act_here();
         match merge.next_x() {
-            Some(x) => merge.advance(x),
+            Some(x) => merge.advance(merge.step_toward(x)),
             None => break,
         }
     }
@@ -58,12 +64,25 @@ fn unreachable(strokes: &[Vec<Stroke>], machine: &Machine) -> Vec<Finding> {
                     knot.x
                 )));
             }
+            findings.extend(emptied(stroke, machine).map(here));
             if stroke.turn_from(0.0, cutter).is_none() {
                 findings.push(here("the blade's range is too small to follow the cut".to_owned()));
             }
         }
     }
     findings
+}
+
+/// Where a stroke needs more tape than is on the spool.
+fn emptied(stroke: &Stroke, machine: &Machine) -> Option<String> {
+    let spool = machine.feed.spool?;
+    let holds = spool.holds_mm();
+    let knot = stroke.knots.iter().find(|knot| knot.x > holds)?;
+    let core = spool.core_radius_mm;
+    Some(format!(
+        "the spool is empty, down to its core of {core} mm, after {holds:.1} mm of tape; {} mm are needed",
+        knot.x
+    ))
 }
 
 /// A carriage and what it does next.
@@ -84,6 +103,14 @@ impl Carriage<'_> {
         }
     }
 
+    /// The sine of the angle between the tape and the cut that the knife makes; 0 with the knife up.
+    fn sine(&self) -> f64 {
+        let Some((at, stroke)) = self.cutting.zip(self.strokes.front()) else { return 0.0 };
+        let Some(next) = stroke.knots.get(at + 1) else { return 0.0 };
+        let (du, dv) = (next.x - stroke.knots[at].x, next.v - stroke.knots[at].v);
+        if dv == 0.0 { 0.0 } else { dv.abs() / du.hypot(dv) }
+    }
+
     fn at_stroke_end(&self) -> bool {
         let last = self.strokes.front().map(|stroke| stroke.knots.len() - 1);
         self.cutting.is_some() && self.cutting == last
@@ -92,6 +119,8 @@ impl Carriage<'_> {
 
 struct Merge<'a> {
     machine: &'a Machine,
+    /// How far a driven spool may bend a cut, in mm.
+    spool_off_mm: f64,
     carriages: Vec<Carriage<'a>>,
     pose: Pose,
     begun: BTreeSet<u32>,
@@ -99,7 +128,7 @@ struct Merge<'a> {
 }
 
 impl<'a> Merge<'a> {
-    fn new(strokes: Vec<Vec<Stroke>>, machine: &'a Machine) -> Self {
+    fn new(strokes: Vec<Vec<Stroke>>, machine: &'a Machine, spool_off_mm: f64) -> Self {
         let carriages = machine
             .cutters
             .iter()
@@ -108,6 +137,7 @@ impl<'a> Merge<'a> {
             .collect();
         Self {
             machine,
+            spool_off_mm,
             carriages,
             pose: Pose::default(),
             begun: BTreeSet::new(),
@@ -123,11 +153,24 @@ impl<'a> Merge<'a> {
             _ => 0.0,
         };
         self.program.steps.push(step);
+        self.program.ends_s.push(self.program.time_s);
     }
 
     /// The smallest reading of the tape axis at which something is due.
     fn next_x(&self) -> Option<f64> {
         self.carriages.iter().filter_map(|carriage| carriage.next().map(|knot| knot.x)).min_by(f64::total_cmp)
+    }
+
+    /// How far to go at once on the way to x. A spool that turns evenly bends a cut, so the way of a cut is split
+    /// into even parts, each short enough for that (domain.md A8).
+    fn step_toward(&self, x: f64) -> f64 {
+        let Some(spool) = &self.machine.feed.spool else { return x };
+        let from = self.pose.feed_mm;
+        // The radius at the smaller end decides; both ends are looked at.
+        let sine = self.carriages.iter().map(Carriage::sine).fold(0.0, f64::max);
+        let longest = [from, x].map(|x| spool.longest_step_mm(x, sine, self.spool_off_mm));
+        let parts = ((x - from) / longest[0].min(longest[1])).ceil();
+        if parts <= 1.0 { x } else { rounded(from + (x - from) / parts, DECIMALS) }
     }
 
     /// Does all that is due with the tape standing where it is.
@@ -288,6 +331,7 @@ impl<'a> Merge<'a> {
         pace.cruise_s = pace.cruise_s.max(SHORTEST_MOVE_S);
         self.program.time_s += pace.rest_to_rest_s();
         self.program.steps.push(Step::Move { to, cruise_s: pace.cruise_s });
+        self.program.ends_s.push(self.program.time_s);
         self.pose = to;
         true
     }
@@ -296,7 +340,7 @@ impl<'a> Merge<'a> {
     fn pace(&self, from: &Pose, to: &Pose) -> Pace {
         let mut pace = Pace::default();
         let feed = &self.machine.feed;
-        let du = (to.feed_mm - from.feed_mm).abs();
+        let du = feed.way_mm(from.feed_mm, to.feed_mm);
         pace.hold(du, feed.max_speed.mm_s(), feed.max_acceleration.mm_s2());
         for (k, carriage) in self.carriages.iter().enumerate() {
             let cutter = carriage.cutter;

@@ -9,6 +9,12 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::planning::document::shape::{Field, Shape, optional, required};
 
+mod spool;
+mod words;
+
+pub use self::spool::Spool;
+pub use self::words::{KnifeWords, UltrasonicWords, Words};
+
 /// The largest coordinate in mm: a mould of 100 m.
 pub const LARGEST_MM: f64 = 100_000.0;
 /// The most points of one outline or course.
@@ -250,6 +256,12 @@ pub struct Options {
     pub share_cuts: bool,
     /// Chord tolerance in mm.
     pub tolerance_mm: f64,
+    /// The course from which on the program goes, if not from the start.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub from_course: Option<u32>,
+    /// The same moves with knives up and the generator off.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub dry_run: bool,
 }
 
 impl Default for Options {
@@ -261,6 +273,8 @@ impl Default for Options {
             scrap_gap_mm: 0.0,
             share_cuts: false,
             tolerance_mm: crate::planning::tolerance::CHORD_MM,
+            from_course: None,
+            dry_run: false,
         }
     }
 }
@@ -355,6 +369,12 @@ pub struct Feed {
     pub max_acceleration_mm_s2: f64,
     /// The longest tape in one program, in mm.
     pub max_length_mm: f64,
+    /// The spool whose angle is driven.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spool: Option<Spool>,
+    /// How far off the tape may stand, in mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error_mm: Option<f64>,
 }
 
 /// What drives the tape.
@@ -401,6 +421,9 @@ pub struct Lateral {
     pub travel_speed_mm_s: f64,
     /// mm/s^2.
     pub max_acceleration_mm_s2: f64,
+    /// How far off the carriage may stand, in mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error_mm: Option<f64>,
 }
 
 /// The axis that turns the blade.
@@ -465,6 +488,9 @@ pub struct Program {
     pub optional_stop_per_course: bool,
     /// The longest line.
     pub max_line_characters: u32,
+    /// How a control without outputs of its own switches knives and generator.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub words: Option<Words>,
 }
 
 const POINT: Shape = Shape::Triple { limit: LARGEST_MM };
@@ -483,6 +509,8 @@ const TRACK: Shape = Shape::Object(&[
 const RATE: Shape = Shape::Positive { max: LARGEST_RATE };
 const COORDINATE: Shape = Shape::Number { min: -LARGEST_MM, max: LARGEST_MM };
 const DWELL: Shape = Shape::Number { min: 0.0, max: LONGEST_DWELL_S };
+/// An axis that is off by more cuts no pieces.
+const ERROR: Shape = Shape::Number { min: 0.0, max: 10.0 };
 const OUTPUT: Shape = Shape::Integer { min: 0, max: LARGEST_OUTPUT };
 const AXIS: Shape = Shape::Word(&["U", "V", "W", "A", "B", "C", "X", "Y", "Z"]);
 const CUTTER: Shape = Shape::Object(&[
@@ -497,6 +525,7 @@ const CUTTER: Shape = Shape::Object(&[
             required("cutting_speed_mm_s", RATE),
             required("travel_speed_mm_s", RATE),
             required("max_acceleration_mm_s2", RATE),
+            optional("error_mm", ERROR),
         ]),
     ),
     required(
@@ -537,6 +566,8 @@ pub const TAPE_CUTTER: &[Field] = &[
             required("max_speed_mm_s", RATE),
             required("max_acceleration_mm_s2", RATE),
             required("max_length_mm", Shape::Positive { max: 1e7 }),
+            optional("spool", spool::SPOOL),
+            optional("error_mm", ERROR),
         ]),
     ),
     required("max_cutting_path_speed_mm_s", RATE),
@@ -548,6 +579,7 @@ pub const TAPE_CUTTER: &[Field] = &[
         Shape::Object(&[
             required("optional_stop_per_course", Shape::Boolean),
             required("max_line_characters", Shape::Integer { min: SHORTEST_LINE, max: 250 }),
+            optional("words", words::WORDS),
         ]),
     ),
 ];
@@ -584,6 +616,8 @@ pub const TAPE_CUT: &[Field] = &[
             optional("scrap_gap_mm", Shape::Number { min: 0.0, max: 10_000.0 }),
             optional("share_cuts", Shape::Boolean),
             optional("tolerance_mm", Shape::Number { min: 0.001, max: 1.0 }),
+            optional("from_course", Shape::Integer { min: 1, max: 1_000_000 }),
+            optional("dry_run", Shape::Boolean),
         ]),
     ),
 ];

@@ -66,7 +66,7 @@ fn program(mut steps: Vec<Step>) -> TapeProgram {
             to.feed_mm = reached;
         }
     }
-    TapeProgram { steps, time_s: 0.0 }
+    TapeProgram { steps, ..TapeProgram::default() }
 }
 
 /// What the machine has to do for a step, without the line: what its axes and outputs are called is in the profile.

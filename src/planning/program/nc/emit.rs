@@ -1,17 +1,20 @@
-//! Tape programs as text in the `linuxcnc` dialect.
+//! Tape programs as text, in the language of a machine's control.
 //!
-//! Inverse-time feed (G93), because F on mixed axes is neither knife's speed; exact path (G61), because every
-//! move starts and ends at rest; outputs that act at once (M64/M65), because everything stands when they do.
+//! Inverse-time feed (G93), because F on mixed axes is neither knife's speed.
 //! Nothing in the text comes from a person: only numbers, and the hash of the input.
 
+use super::dialect::{Language, Switched, language};
 use crate::planning::outcome::PLANNER_VERSION;
 use crate::planning::program::moves::{Pose, Step, TapeProgram};
 use crate::planning::program::number::fixed;
-use crate::planning::tape::machine::Machine;
+use crate::planning::tape::machine::{Feed, Machine};
 use crate::planning::tape::stroke::DECIMALS;
 
 /// Decimals of the feed word.
 const FEED_DECIMALS: usize = 4;
+
+/// Decimals of the degrees of a spool: at a radius of 500 mm the last one is a tenth of a micron, as of [`DECIMALS`].
+const SPOOL_DECIMALS: usize = 5;
 
 /// The move into place at a restart takes at least so long, in s: the whole travel of any carriage is then slow.
 const RESTORE_S: f64 = 60.0;
@@ -19,26 +22,30 @@ const RESTORE_S: f64 = 60.0;
 /// The tape is brought to a place of restart at this share of its speed at most.
 const RESTORE_SHARE: f64 = 0.2;
 
-/// Modal state that every place needs from which the program may be started.
-const MODES: &str = "G21 G90 G17 G40 G49 G61 G93";
-
 /// Writes a program.
 ///
 /// `input_sha256` is in lower-case hex. Lines end with LF.
 #[must_use]
 pub fn emit(program: &TapeProgram, machine: &Machine, input_sha256: &str) -> String {
-    let mut writer =
-        Writer { machine, text: String::new(), pose: Pose::default(), number: 0, all_axes: false };
+    let mut writer = Writer {
+        machine,
+        language: language(machine.dialect),
+        text: String::new(),
+        pose: Pose::default(),
+        number: 0,
+        all_axes: false,
+    };
     writer.header(input_sha256);
     for step in &program.steps {
         writer.step(step);
     }
-    writer.block("M2");
+    writer.block(writer.language.end);
     writer.text
 }
 
 struct Writer<'a> {
     machine: &'a Machine,
+    language: &'static Language,
     text: String,
     pose: Pose,
     number: u32,
@@ -51,17 +58,24 @@ impl Writer<'_> {
         self.comment(&format!("BLADEPLAN {PLANNER_VERSION} TAPE CUT"));
         self.comment(&format!("INPUT {}", input_sha256.to_ascii_uppercase()));
         self.comment("ALL AXES AT ZERO, LEADING END OF THE TAPE UNDER CUTTER 1, KNIVES UP");
-        self.block(MODES);
+        self.modes();
+    }
+
+    /// What every place needs from which the program may be started.
+    fn modes(&mut self) {
+        for block in (self.language.modes)(self.machine) {
+            self.block(&block);
+        }
     }
 
     fn step(&mut self, step: &Step) {
         match *step {
             Step::Move { to, cruise_s } => self.move_to(&to, cruise_s),
-            Step::Knife { cutter, down } => self.output(self.machine.cutters[cutter].knife_output, down),
-            Step::Ultrasonic { on } => self.output(self.machine.ultrasonic_output, on),
-            Step::Dwell { seconds } => self.block(&format!("G4 P{}", fixed(seconds, DECIMALS))),
+            Step::Knife { cutter, down } => self.switch(Switched::Knife(cutter), down),
+            Step::Ultrasonic { on } => self.switch(Switched::Ultrasonic, on),
+            Step::Dwell { seconds } => self.dwell(seconds),
             Step::Course { number, restartable } => self.course(number, restartable),
-            Step::OptionalStop => self.block("M1"),
+            Step::OptionalStop => self.block(&(self.language.optional_stop)(self.machine)),
         }
     }
 
@@ -70,7 +84,7 @@ impl Writer<'_> {
             return self.comment(&format!("COURSE {number}, A KNIFE IS DOWN, NO RESTART HERE"));
         }
         self.comment(&format!("COURSE {number}, RESTART HERE"));
-        self.block(MODES);
+        self.modes();
         self.restore();
     }
 
@@ -78,11 +92,11 @@ impl Writer<'_> {
     /// its place. In a run from the start nothing of this moves or switches anything.
     fn restore(&mut self) {
         let machine = self.machine;
-        for cutter in &machine.cutters {
-            self.output(cutter.knife_output, false);
+        for cutter in 0..machine.cutters.len() {
+            self.switch(Switched::Knife(cutter), false);
         }
-        self.block(&format!("G4 P{}", fixed(machine.settled().s(), DECIMALS)));
-        self.output(machine.ultrasonic_output, true);
+        self.dwell(machine.settled().s());
+        self.switch(Switched::Ultrasonic, true);
         let here = self.pose;
         self.all_axes = true;
         // The tape may have to come all the way from its beginning.
@@ -90,18 +104,24 @@ impl Writer<'_> {
         self.move_to(&here, tape_s.max(RESTORE_S));
     }
 
-    fn output(&mut self, number: u32, on: bool) {
-        self.block(&format!("{} P{number}", if on { "M64" } else { "M65" }));
+    fn switch(&mut self, switched: Switched, on: bool) {
+        self.block(&(self.language.switch)(self.machine, switched, on));
+    }
+
+    fn dwell(&mut self, seconds: f64) {
+        self.block(&(self.language.dwell)(&fixed(seconds, DECIMALS)));
     }
 
     fn move_to(&mut self, to: &Pose, cruise_s: f64) {
         let mut words = String::from("G1");
+        if to.feed_mm != self.pose.feed_mm || self.all_axes {
+            words.push_str(&format!(" {}", feed_axis_word(&self.machine.feed, to.feed_mm)));
+        }
         let mut word = |letter: char, value: f64, before: f64| {
             if value != before || self.all_axes {
                 words.push_str(&format!(" {letter}{}", fixed(value, DECIMALS)));
             }
         };
-        word(self.machine.feed.axis, to.feed_mm, self.pose.feed_mm);
         for (k, cutter) in self.machine.cutters.iter().enumerate() {
             word(cutter.lateral_axis, to.lateral_mm[k], self.pose.lateral_mm[k]);
         }
@@ -120,8 +140,18 @@ impl Writer<'_> {
     }
 
     fn comment(&mut self, text: &str) {
-        self.text.push_str(&format!("({text})\n"));
+        self.text.push_str(&(self.language.comment)(text));
+        self.text.push('\n');
     }
+}
+
+/// The tape axis at a reading in mm: in mm, or in degrees of the spool that it turns.
+fn feed_axis_word(feed: &Feed, x: f64) -> String {
+    let number = match &feed.spool {
+        None => fixed(x, DECIMALS),
+        Some(spool) => fixed(spool.angle_deg(x), SPOOL_DECIMALS),
+    };
+    format!("{}{number}", feed.axis)
 }
 
 /// F = 60 / cruising time, rounded down: a limit of speed holds for the printed digits too.

@@ -10,6 +10,7 @@ mod curves;
 mod faults;
 mod nearness;
 mod passes;
+mod reel;
 mod run;
 mod strokes;
 mod travel;

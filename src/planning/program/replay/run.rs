@@ -137,6 +137,11 @@ impl<'a, 'b> Platform<'a, 'b> {
             return;
         }
         if let Some(stroke) = &mut knife.stroke {
+            let parts = self.axes.parts(moved);
+            for part in 1..parts {
+                let between = moved.at(part as f64 / parts as f64);
+                stroke.cut_to(self.axes.knife_at(index, &between, self.setup.lead_mm), moved.line);
+            }
             stroke.cut_to(to, moved.line);
         }
         let edge_mm = self.setup.tape_width_mm / 2.0 + self.setup.tolerance_mm + REPLAY_SLACK_MM;

@@ -3,6 +3,7 @@
 use std::fmt::Display;
 
 use super::faults::Faults;
+use super::reel::Reel;
 use crate::planning::finding::Code;
 use crate::planning::program::events::{AXIS_LETTERS, Positions};
 use crate::planning::tape::machine::{Cutter, Machine};
@@ -32,6 +33,11 @@ pub(super) struct Moved {
 }
 
 impl Moved {
+    /// Where all axes are after a share of the move.
+    pub(super) fn at(&self, share: f64) -> Positions {
+        std::array::from_fn(|axis| self.from[axis] + share * self.delta(axis))
+    }
+
     fn delta(&self, axis: usize) -> f64 {
         self.to[axis] - self.from[axis]
     }
@@ -41,6 +47,8 @@ impl Moved {
 pub(super) struct Axes<'a> {
     machine: &'a Machine,
     feed: usize,
+    /// What the tape axis turns, if it does not read the tape itself.
+    reel: Option<Reel>,
     lateral: Vec<usize>,
     blade: Vec<usize>,
 }
@@ -52,14 +60,32 @@ impl<'a> Axes<'a> {
         Self {
             machine,
             feed: place(machine.feed.axis),
+            reel: machine.feed.spool.as_ref().map(Reel::of),
             lateral: places(|cutter| cutter.lateral_axis),
             blade: places(|cutter| cutter.blade_axis),
         }
     }
 
+    /// Where the tape stands, in mm.
+    pub(super) fn feed_mm(&self, positions: &Positions) -> f64 {
+        self.reel.map_or(positions[self.feed], |reel| reel.tape_mm(positions[self.feed]))
+    }
+
     /// How far the tape is fed, in mm.
     pub(super) fn feed_delta(&self, moved: &Moved) -> f64 {
-        moved.delta(self.feed)
+        self.feed_mm(&moved.to) - self.feed_mm(&moved.from)
+    }
+
+    /// The way in mm that the tape would go at the largest speed that it has in a move: what its limits are held to.
+    fn feed_way(&self, moved: &Moved) -> f64 {
+        let (from, to) = (moved.from[self.feed], moved.to[self.feed]);
+        self.reel.map_or((to - from).abs(), |reel| reel.fastest_mm(from, to))
+    }
+
+    /// In how many parts a move is looked at: a spool that turns evenly bends the cut of a knife.
+    pub(super) fn parts(&self, moved: &Moved) -> usize {
+        let (from, to) = (moved.from[self.feed], moved.to[self.feed]);
+        self.reel.map_or(1, |reel| reel.parts(from, to))
     }
 
     /// How far a carriage moves, in mm.
@@ -76,7 +102,7 @@ impl<'a> Axes<'a> {
     /// The point (r, v) of the roll over which a cutter stands: r = lead - U + station (jobs.md, `roll`).
     pub(super) fn knife_at(&self, cutter: usize, positions: &Positions, lead_mm: f64) -> [f64; 2] {
         let station_mm = self.machine.cutters[cutter].station.mm();
-        [lead_mm - positions[self.feed] + station_mm, positions[self.lateral[cutter]]]
+        [lead_mm - self.feed_mm(positions) + station_mm, positions[self.lateral[cutter]]]
     }
 }
 
@@ -107,8 +133,7 @@ pub(super) fn check(axes: &Axes<'_>, moved: &Moved, down: &[bool], faults: &mut 
 fn check_travel(axes: &Axes<'_>, moved: &Moved, faults: &mut Faults<'_>) {
     let machine = axes.machine;
     let mut known = vec![axes.feed];
-    let feed_range = (0.0, machine.feed.max_length.mm());
-    check_range(moved, axes.feed, feed_range, PRINTED_MM, faults);
+    check_feed(axes, moved, faults);
     for (index, cutter) in machine.cutters.iter().enumerate() {
         let (low, high) = cutter.lateral_range;
         check_range(moved, axes.lateral[index], (low.mm(), high.mm()), PRINTED_MM, faults);
@@ -119,6 +144,24 @@ fn check_travel(axes: &Axes<'_>, moved: &Moved, faults: &mut Faults<'_>) {
     for axis in (0..AXIS_LETTERS.len()).filter(|axis| !known.contains(axis) && moved.delta(*axis) != 0.0) {
         faults.at_line(Code::TravelExceeded, moved.line, || {
             format!("{} has no axis {}", machine.name, AXIS_LETTERS[axis])
+        });
+    }
+}
+
+/// The tape runs within its length, and a spool is not turned beyond its core.
+fn check_feed(axes: &Axes<'_>, moved: &Moved, faults: &mut Faults<'_>) {
+    let feed = &axes.machine.feed;
+    let to = axes.feed_mm(&moved.to);
+    let longest = feed.max_length.mm();
+    let moves = moved.delta(axes.feed) != 0.0;
+    if moves && !(-PRINTED_MM..=longest + PRINTED_MM).contains(&to) {
+        faults.at_line(Code::TravelExceeded, moved.line, || {
+            format!("{} goes to {to} mm of tape, outside 0 to {longest}", feed.axis)
+        });
+    }
+    if let Some(reel) = axes.reel.filter(|reel| moves && !reel.has_tape(moved.to[axes.feed])) {
+        faults.at_line(Code::TravelExceeded, moved.line, || {
+            format!("{} turns the spool beyond its core of {} mm", feed.axis, reel.core_mm)
         });
     }
 }
@@ -151,7 +194,7 @@ fn check_speeds(axes: &Axes<'_>, moved: &Moved, seconds: f64, down: &[bool], fau
         let message = || format!("{what} runs at {speed:.4}/s, its limit is {limit}/s (mm or degrees)");
         faults.at_line(Code::SpeedExceeded, moved.line, message);
     };
-    let feed_mm = axes.feed_delta(moved).abs();
+    let feed_mm = axes.feed_way(moved);
     check(&machine.feed.axis, feed_mm, machine.feed.max_speed.mm_s(), PRINTED_MM);
     for (index, cutter) in machine.cutters.iter().enumerate() {
         let lateral_mm = axes.lateral_delta(index, moved).abs();

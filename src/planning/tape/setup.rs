@@ -1,0 +1,163 @@
+//! The set-up sheet: what a person at the machine needs before a roll is cut. Markdown, of content only.
+
+use super::input::TapeInput;
+use super::machine::{Dialect, Machine};
+use super::plan::TapePlan;
+use super::spool::Turning;
+use crate::planning::outcome::{Attachment, PLANNER_VERSION, ProgramFile, sha256_hex};
+use crate::planning::program::moves::{Pose, Step, TapeProgram};
+use crate::planning::program::number::fixed;
+
+/// Writes the sheet of a program: `setup.md`. Lengths in mm with one decimal.
+#[must_use]
+pub fn sheet(
+    plan: &TapePlan,
+    program: &TapeProgram,
+    file: &ProgramFile,
+    input: &TapeInput,
+    input_sha256: &str,
+) -> Attachment {
+    let mut text = String::from("# Set-up sheet\n\n");
+    text.push_str(&program_part(program, file, &input.machine, input_sha256));
+    text.push_str(&tape_part(plan, program, input));
+    text.push_str(&zero_part(&input.machine));
+    text.push_str(&manifest_part(plan));
+    Attachment { name: "setup.md".to_owned(), text }
+}
+
+fn mm(value: f64) -> String {
+    fixed(value, 1)
+}
+
+fn table(rows: &[(&str, String)]) -> String {
+    let lines = rows.iter().map(|(what, is)| format!("| {what} | {is} |\n"));
+    format!("| | |\n|---|---|\n{}\n", lines.collect::<String>())
+}
+
+fn program_part(program: &TapeProgram, file: &ProgramFile, machine: &Machine, input_sha256: &str) -> String {
+    let rows = [
+        ("program", format!("`{}`, {}", file.name, file.dialect)),
+        ("its SHA-256", format!("`{}`", sha256_hex(file.text.as_bytes()))),
+        ("input SHA-256", format!("`{input_sha256}`")),
+        ("planner", PLANNER_VERSION.to_owned()),
+        ("machine profile SHA-256", format!("`{}`", machine.profile_sha256)),
+        ("expected time", format!("{} ({} s)", clock(program.time_s), fixed(program.time_s, 1))),
+    ];
+    format!("## Program\n\n{}", table(&rows))
+}
+
+/// Hours, minutes and whole seconds, rounded up.
+fn clock(seconds: f64) -> String {
+    let whole = seconds.ceil().clamp(0.0, 1e9) as u64;
+    format!("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60)
+}
+
+fn tape_part(plan: &TapePlan, program: &TapeProgram, input: &TapeInput) -> String {
+    let last = last_pose(program).feed_mm;
+    let mut rows = vec![
+        (
+            "tape",
+            format!("{} mm wide, {} mm thick", fixed(input.width.mm(), 3), fixed(input.thickness.mm(), 4)),
+        ),
+        ("tape fed by this program", format!("{} mm", mm(last))),
+        (
+            "tape used by the pieces and the scrap between them",
+            format!("{} mm", mm(plan.figures.tape_used_mm)),
+        ),
+        ("pieces", plan.order.len().to_string()),
+    ];
+    let name = |place: Option<&(usize, usize)>| {
+        place.map_or(String::new(), |&(course, piece)| {
+            format!("course {}, piece {}", plan.courses[course].number, piece + 1)
+        })
+    };
+    // The tape moves toward +U, so the largest roll coordinate passes the knives first.
+    rows.push(("first piece cut", name(plan.order.last())));
+    rows.push(("last piece cut", name(plan.order.first())));
+    if let Some(spool) = &input.machine.feed.spool {
+        let way = match spool.turning {
+            Turning::Unwinding => "unwinds",
+            Turning::TakingUp => "takes up",
+        };
+        rows.push((
+            "spool",
+            format!(
+                "{way}, driven by angle; radius {} mm at the start, {} mm at the end, core {} mm, layer {} mm. Measure the radius: the program holds for this one only",
+                fixed(spool.roll_radius_mm, 2),
+                fixed(spool.radius_mm(last), 2),
+                fixed(spool.core_radius_mm, 2),
+                fixed(spool.layer_mm, 4)
+            ),
+        ));
+    }
+    format!("## Tape\n\n{}", table(&rows))
+}
+
+fn last_pose(program: &TapeProgram) -> Pose {
+    let moves = program.steps.iter().rev().find_map(|step| match step {
+        Step::Move { to, .. } => Some(*to),
+        _ => None,
+    });
+    moves.unwrap_or_default()
+}
+
+fn zero_part(machine: &Machine) -> String {
+    let unit = if machine.feed.spool.is_some() { "degrees of the spool" } else { "mm" };
+    let mut rows = vec![(
+        format!("{} ({unit})", machine.feed.axis),
+        "0 with the leading end of the tape under cutter 1; it only runs forward".to_owned(),
+    )];
+    for cutter in &machine.cutters {
+        let number = cutter.number;
+        let station = mm(cutter.station.mm());
+        rows.push((
+            format!("{} (mm)", cutter.lateral_axis),
+            format!("0 with cutter {number} over the middle of the tape; the cutter stands at station {station} mm"),
+        ));
+        rows.push((
+            format!("{} (degrees)", cutter.blade_axis),
+            format!("0 with blade {number} square across the tape, its edge toward +V"),
+        ));
+        rows.push((format!("knife {number}"), switched(machine, cutter.number as usize - 1)));
+    }
+    rows.push(("ultrasonic".to_owned(), format!("off; {}", ultrasonic(machine))));
+    let rows: Vec<(&str, String)> = rows.iter().map(|(what, is)| (what.as_str(), is.clone())).collect();
+    format!("## Zero positions at the start\n\n{}", table(&rows))
+}
+
+fn switched(machine: &Machine, cutter: usize) -> String {
+    let words = machine.words.as_ref().filter(|_| machine.dialect == Dialect::Sinumerik);
+    match words.and_then(|words| words.knives.get(cutter)) {
+        Some([down, up]) => format!("up; {down} lowers it, {up} raises it"),
+        None => format!("up; output {} lowers it", machine.cutters[cutter].knife_output),
+    }
+}
+
+fn ultrasonic(machine: &Machine) -> String {
+    match machine.words.as_ref().filter(|_| machine.dialect == Dialect::Sinumerik) {
+        Some(words) => format!("{} and {} switch it", words.ultrasonic[0], words.ultrasonic[1]),
+        None => format!("output {} switches it", machine.ultrasonic_output),
+    }
+}
+
+/// The last piece wound comes off the cassette first.
+fn manifest_part(plan: &TapePlan) -> String {
+    let mut text = String::from(
+        "## Cassette, in the order in which it gives the pieces out\n\n\
+         | | course | piece | length mm | area mm2 | roll from mm | to mm |\n|---|---|---|---|---|---|---|\n",
+    );
+    for (place, (&(course, index), (_, piece))) in plan.order.iter().zip(plan.pieces()).enumerate() {
+        let (low, high) = piece.piece.u_range();
+        text.push_str(&format!(
+            "| {} | {} | {} | {} | {} | {} | {} |\n",
+            place + 1,
+            plan.courses[course].number,
+            index + 1,
+            mm(high - low),
+            mm(piece.piece.area_mm2),
+            mm(low + piece.offset_mm),
+            mm(high + piece.offset_mm)
+        ));
+    }
+    text
+}
