@@ -13,6 +13,7 @@ use bladeplan::planning::outcome::{Outcome, Verdict};
 use bladeplan::planning::tape::file::dxf::{self, Wanted};
 use bladeplan::planning::tape::file::text;
 use bladeplan::planning::tape::machine::Catalogue;
+use bladeplan::planning::tolerance::CURVE_CHORD_MM;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -58,8 +59,6 @@ fn every_drawing_has_the_outlines_that_were_drawn() {
     for (name, bytes, expected) in drawings {
         let layers = serde_json::from_value(expected["layers"].clone()).ok();
         let (loops, findings) = dxf::read(&name, &bytes, layers.as_ref(), Wanted::Ply).unwrap();
-        // Half a micrometre off along the whole outline is the chord tolerance.
-        let tolerance = expected["tolerance"].as_f64().unwrap_or(0.0005);
         let areas = expected["areas"].as_array().unwrap();
         assert_eq!(loops.len(), areas.len(), "{name}");
         for (read, wanted) in loops.iter().zip(areas) {
@@ -70,7 +69,7 @@ fn every_drawing_has_the_outlines_that_were_drawn() {
                 .map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]))
                 .sum();
             let off = (area(&read.points) - wanted.as_f64().unwrap()).abs();
-            assert!(off <= tolerance * perimeter, "{name}: area {} is not {wanted}", area(&read.points));
+            assert!(off <= CURVE_CHORD_MM * perimeter, "{name}: area {} is not {wanted}", area(&read.points));
             assert!(
                 read.points.iter().all(|point| point[2] == expected["z"].as_f64().unwrap_or(0.0)),
                 "{name}"
@@ -83,7 +82,10 @@ fn every_drawing_has_the_outlines_that_were_drawn() {
             } else {
                 all.fold(-f64::INFINITY, f64::max)
             };
-            assert!((found - wanted.as_f64().unwrap()).abs() <= tolerance, "{name}: {found} is not {wanted}");
+            assert!(
+                (found - wanted.as_f64().unwrap()).abs() <= CURVE_CHORD_MM,
+                "{name}: {found} is not {wanted}"
+            );
         }
         for (read, wanted) in loops.iter().zip(expected["points"].as_array().into_iter().flatten()) {
             assert_eq!(read.points.len() as u64, wanted.as_u64().unwrap(), "{name}");

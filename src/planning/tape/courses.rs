@@ -141,13 +141,13 @@ fn extents(outline: &[Point2], strips: &Strips) -> Vec<(f64, f64)> {
         let (low, high) = (a.y.min(b.y), a.y.max(b.y));
         let from = ((low - first - strips.width) / strips.pitch).floor().max(0.0) as usize;
         let to = ((high - first) / strips.pitch).ceil().max(0.0) as usize;
-        for index in from..=to.min(strips.low.len() - 1) {
-            let (begin, end) = (strips.low[index], strips.low[index] + strips.width);
+        let passed = strips.low.iter().zip(&mut extents).take(to + 1).skip(from);
+        for (&begin, extent) in passed {
+            let end = begin + strips.width;
             // What only touches the strip's edge lies in the next one.
             if high > begin + STRIP_EDGE_MM && low < end - STRIP_EDGE_MM {
                 let along = [a, b].map(|corner| u_at(a, b, corner, corner.y.clamp(begin, end)));
-                extents[index].0 = extents[index].0.min(along[0].min(along[1]));
-                extents[index].1 = extents[index].1.max(along[0].max(along[1]));
+                *extent = (extent.0.min(along[0].min(along[1])), extent.1.max(along[0].max(along[1])));
             }
         }
     }

@@ -304,10 +304,15 @@ fn no_outline(layers: &Chosen, list: usize, content: &Content<'_>) -> Fault {
     Fault::new(Code::UnknownValue, 1, message)
 }
 
+/// Whether something is in paper space.
+type OnPaper = bool;
+/// How many of each type of entity.
+type Kinds<'a> = BTreeMap<&'a str, usize>;
+
 /// What was left out, by layer and kind, with the first line and the first thing of each layer.
 #[derive(Default)]
 struct LeftOut<'a> {
-    layers: BTreeMap<(&'a str, bool), (u32, BTreeMap<&'a str, usize>)>,
+    layers: BTreeMap<(&'a str, OnPaper), (u32, Kinds<'a>)>,
     /// How many entities have a width or a thickness, and where the first is.
     thick: Option<(u32, usize)>,
 }

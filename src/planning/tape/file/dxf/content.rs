@@ -76,7 +76,7 @@ struct Walk<'a> {
 pub fn read<'a>(text: &'a str, faults: &mut Faults<'_>) -> Option<Content<'a>> {
     let mut records = Records::of(text);
     let mut walk = Walk { content: Content::default(), section: None, block: None, open: None, ended: false };
-    while let Some(record) = records.next() {
+    for record in records.by_ref() {
         let taken = record.and_then(|record| walk.take(record));
         if let Err(fault) = taken {
             faults.push(fault);

@@ -307,7 +307,8 @@ fn bulged(from: &Point2, to: &Point2, bulge: f64, line: u32, most: usize) -> Res
         finer.push(*to);
         points = finer;
         bulge /= 1.0 + (1.0 + bulge * bulge).sqrt();
-        if points[1].iter().any(|x| !(x.abs() <= LARGEST_MM)) {
+        // A coordinate that is no number is not within the limits either.
+        if !points[1].iter().all(|x| x.abs() <= LARGEST_MM) {
             let message = format!("the arc reaches farther than {LARGEST_MM} mm");
             return Err(Fault::new(Code::OutOfRange, line, message));
         }
