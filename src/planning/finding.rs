@@ -101,6 +101,8 @@ codes! {
     TooManyKnives,
     /// A pair of cuts that the published rule cannot allocate; the general rule was used.
     GeneralRule,
+    /// Ends of cuts that do not go on as far as the overcut says.
+    OvercutShortened,
     /// The tape or an axis does not reach far enough.
     AxisLimit,
     /// The step limit of a job is used up.

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::chain::Slope;
-use super::machine::Machine;
+use super::input::TapeInput;
 use super::plan::{PlannedPiece, TapePlan};
 use super::roll::RollFigures;
 use super::tips::{Tip, tips};
@@ -25,6 +25,12 @@ pub struct TapeReport {
     tips: Vec<Tip>,
     /// Outlines changed to suit the knives: none, since a shape that needs it is refused.
     simplified: Vec<()>,
+    /// The course from which on the program goes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    from_course: Option<u32>,
+    /// The program is a dry run; the figures of the replay are those of the program that cuts.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    dry_run: bool,
 }
 
 /// The machine that was planned for. The program runs on machines of exactly this profile.
@@ -76,7 +82,7 @@ impl TapeReport {
     #[must_use]
     pub fn new(
         plan: &TapePlan,
-        machine: &Machine,
+        input: &TapeInput,
         time_s: f64,
         bound_time_s: f64,
         replay: ReplayFigures,
@@ -85,6 +91,7 @@ impl TapeReport {
             number: course.number,
             pieces: course.pieces.iter().map(piece_report).collect(),
         });
+        let machine = &input.machine;
         let (name, profile_sha256) = (machine.name.clone(), machine.profile_sha256.clone());
         Self {
             machine: MachineReport { name, profile_sha256 },
@@ -96,6 +103,8 @@ impl TapeReport {
             replay,
             tips: tips(plan, machine),
             simplified: Vec::new(),
+            from_course: input.from_course,
+            dry_run: input.dry_run,
         }
     }
 }
