@@ -120,6 +120,8 @@ codes! {
     GeneralRule,
     /// An outline was changed on its scrap side, because there are not enough knives for it.
     OutlineSimplified,
+    /// Ends of cuts that do not go on as far as the overcut says.
+    OvercutShortened,
     /// The tape or an axis does not reach far enough.
     AxisLimit,
     /// The step limit of a job is used up.

@@ -4,6 +4,7 @@
 
 mod accepted;
 mod cli;
+mod craft;
 mod docker;
 mod files;
 mod golden;

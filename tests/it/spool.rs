@@ -132,6 +132,7 @@ fn the_misses_at_a_tip_are_those_of_the_given_errors() {
         ("/cutters/1/lateral/error_mm", json!(0.03)),
     ]);
     let outcome = first(&machine);
+    assert_eq!(outcome.report["tips"].as_array().unwrap().len(), 1);
     let tip = &outcome.report["tips"][0];
     assert_eq!((tip["kind"].as_str(), tip["at_uv"].clone()), (Some(">"), json!([400.0, 0.0])));
     let is = |name: &str, value: f64| {
@@ -152,4 +153,20 @@ fn the_misses_at_a_tip_are_those_of_the_given_errors() {
     let exact = first(&lab_with(&[]));
     assert_eq!(exact.report["tips"][0]["mismatch_mm"], 0.0);
     assert!(exact.drawings.iter().all(|drawing| drawing.name != "tips.svg"));
+}
+
+/// A round cut-out is a ring of two chains: both knives begin at its largest u and end at its smallest.
+#[test]
+fn a_cut_out_has_a_tip_at_either_end() {
+    let round: Vec<[f64; 3]> = (0..60)
+        .map(|i| f64::from(i * 6).to_radians())
+        .map(|angle| [200.0 + 20.0 * angle.cos(), 20.0 * angle.sin(), 0.0])
+        .collect();
+    let mut holed = job("examples/first.job.json");
+    holed["input"]["holes"] = json!([{"points": round}]);
+    let outcome = plan_job(&holed, &lab_with(&[]), &json!(null)).unwrap();
+    let tips = outcome.report["tips"].as_array().unwrap();
+    let found: Vec<_> =
+        tips.iter().map(|tip| (tip["kind"].clone(), tip["at_uv"][0].as_f64().unwrap())).collect();
+    assert_eq!(found, [(json!(">"), 400.0), (json!(">"), 220.0), (json!("<"), 180.0)]);
 }

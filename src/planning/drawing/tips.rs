@@ -29,8 +29,8 @@ pub fn tips(tips: &[Tip]) -> Option<Drawing> {
     let mut page = Page::new("Tips: how far two knives miss one another", "", &lines(tips));
     page.legend(&[
         (Sample::Line("limit-dashed"), "wanted".to_owned()),
-        (Sample::Cut(0), "cut by the knife that comes first".to_owned()),
-        (Sample::Cut(1), "cut by the other one, at each of the four worst places".to_owned()),
+        (Sample::Cut(0), "cut by one knife".to_owned()),
+        (Sample::Cut(1), "cut by the other one, at each of the four worst places beside it".to_owned()),
     ]);
     let top = page.y + 2.0;
     for (index, tip) in worst.iter().enumerate() {

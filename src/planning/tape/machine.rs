@@ -41,6 +41,12 @@ pub struct Machine {
 }
 
 impl Machine {
+    /// The longest overcut of its cutters.
+    #[must_use]
+    pub fn overcut(&self) -> Length {
+        Length::from_mm(self.cutters.iter().map(|cutter| cutter.overcut.mm()).fold(0.0, f64::max))
+    }
+
     /// The time after which every knife that was told to come up is up.
     #[must_use]
     pub fn settled(&self) -> Duration {
@@ -112,6 +118,8 @@ pub struct Cutter {
     pub blade_acceleration: AngularAcceleration,
     /// Range of the blade axis, smallest and largest.
     pub blade_range: (Angle, Angle),
+    /// How far a cut goes on past its ends where no piece lies.
+    pub overcut: Length,
     /// A sharper corner is turned with the knife up.
     pub lift_angle: Angle,
     /// Digital output of the press.
@@ -187,15 +195,16 @@ fn unsupported(profile: &wire::MachineProfile, at: &str) -> Vec<Finding> {
             faults.push(Finding::error(Code::NotSupported, format!("{at}{field}"), format!("{what} yet")));
         }
     };
+    // A program starts with both carriages at V 0, so stations closer than that could not keep it even there.
+    let apart = profile.cutters.windows(2).map(|pair| (pair[1].station_mm - pair[0].station_mm).abs());
     refuse(
-        profile.carriage_clearance_mm != 0.0,
+        apart.fold(f64::INFINITY, f64::min) < profile.carriage_clearance_mm,
         "/carriage_clearance_mm".into(),
-        "carriages on one beam are not planned",
+        "carriages whose stations are closer than they must stay apart share a beam, which is not planned",
     );
     for (index, cutter) in profile.cutters.iter().enumerate() {
         let blade = format!("/cutters/{index}/blade");
         refuse(cutter.blade.offset_mm != 0.0, format!("{blade}/offset_mm"), "a blade offset is not planned");
-        refuse(cutter.blade.overcut_mm != 0.0, format!("{blade}/overcut_mm"), "an overcut is not planned");
     }
     faults
 }
@@ -335,6 +344,7 @@ fn take_over_cutter(cutter: &wire::Cutter) -> Cutter {
         blade_speed: AngularSpeed::from_deg_s(blade.max_speed_deg_s),
         blade_acceleration: AngularAcceleration::from_deg_s2(blade.max_acceleration_deg_s2),
         blade_range: (Angle::from_degrees(blade.min_deg), Angle::from_degrees(blade.max_deg)),
+        overcut: Length::from_mm(blade.overcut_mm),
         lift_angle: Angle::from_degrees(blade.lift_angle_deg),
         knife_output: knife.output,
         down_dwell: Duration::from_s(knife.down_dwell_s),

@@ -15,9 +15,11 @@ pub mod front;
 pub mod input;
 pub mod machine;
 pub mod outline;
+pub mod overcut;
 pub mod piece;
 pub mod plan;
 pub mod report;
+pub mod restart;
 pub mod roll;
 pub mod setup;
 pub mod spool;
@@ -41,12 +43,14 @@ use super::outcome::{Outcome, ProgramFile};
 use super::program::moves::TapeProgram;
 use super::program::nc;
 use super::program::nc::dialect::language;
-use super::program::replay::{ReplayFigures, ReplaySetup, replay};
+use super::program::replay::{ReplayFigures, ReplaySetup, dry, replay};
 
-/// Name of the one program of a tape-cut job, with the ending of its dialect.
+/// Name of the one program of a tape-cut job: what it is, with the ending of its dialect.
 #[must_use]
-pub fn program_name(machine: &machine::Machine) -> String {
-    format!("roll.{}", language(machine.dialect).ending)
+pub fn program_name(input: &TapeInput) -> String {
+    let from = input.from_course.map_or(String::new(), |number| format!("-from-course-{number}"));
+    let dry = if input.dry_run { "-dry-run" } else { "" };
+    format!("roll{from}{dry}.{}", language(input.machine.dialect).ending)
 }
 
 /// Plans a tape-cut job: a program stands in the outcome only if it was read back from its own text and its
@@ -110,9 +114,14 @@ fn take_over(
 /// A program as it was written, not yet replayed.
 struct Written {
     text: String,
+    /// The text of the program that really cuts, where `text` is that of a dry run.
+    cutting: Option<String>,
     program: TapeProgram,
     bound_time_s: f64,
     trace: PlantedTrace,
+    /// What an earlier run has cut, in roll coordinates, where the program goes on from a course.
+    before: Vec<Vec<[f64; 2]>>,
+    findings: Vec<Finding>,
 }
 
 fn write(
@@ -122,26 +131,40 @@ fn write(
     budget: &Budget<'_>,
 ) -> Result<Written, Vec<Finding>> {
     budget.stage("timeline");
-    let strokes = plan.strokes(input);
+    let machine = &input.machine;
+    let mut strokes = plan.strokes(input);
+    let findings = overcut::extend(&mut strokes, plan, machine).into_iter().collect();
     let trace = trace::planted(plan, &strokes, input);
-    let bound_time_s = timeline::bound_s(&strokes, &input.machine);
-    let program = timeline::merge(strokes, &input.machine, input.tolerance.mm())?;
+    let kept = input.from_course.map(|_| strokes.clone());
+    let mut bound_time_s = timeline::bound_s(&strokes, machine);
+    let whole = timeline::merge(strokes, machine, input.tolerance.mm())?;
+    let (mut program, mut before) = (whole, Vec::new());
+    if let Some((number, mut strokes)) = input.from_course.zip(kept) {
+        let restart = restart::from_course(&program, number, machine, plan.figures.lead_mm);
+        restart::Restart { program, before } = restart.map_err(|fault| vec![fault])?;
+        let later = |stroke: &stroke::Stroke| stroke.knots[0].x >= program.start.feed_mm;
+        strokes.iter_mut().for_each(|strokes| strokes.retain(later));
+        bound_time_s = timeline::bound_s(&strokes, machine);
+    }
     budget.stage("write");
-    let text = nc::emit::emit(&program, &input.machine, input_sha256);
-    Ok(Written { text, program, bound_time_s, trace })
+    let cutting = input.dry_run.then(|| nc::emit::emit(&program, machine, input_sha256));
+    program.dry = input.dry_run;
+    let text = nc::emit::emit(&program, machine, input_sha256);
+    Ok(Written { text, cutting, program, bound_time_s, trace, before, findings })
 }
 
 fn finish(
     plan: &TapePlan,
-    written: Written,
+    mut written: Written,
     input: &TapeInput,
     mut findings: Vec<Finding>,
     input_sha256: &str,
     budget: &Budget<'_>,
 ) -> Outcome {
     budget.stage("replay");
-    let name = program_name(&input.machine);
-    let (figures, faults) = replay_text(&name, &written.text, plan, input);
+    let name = program_name(input);
+    findings.append(&mut written.findings);
+    let (figures, faults) = judge(&name, &written.text, &written, plan, input);
     findings.extend(faults);
     input.origins.relocate(&mut findings);
     budget.stage("draw");
@@ -149,8 +172,8 @@ fn finish(
     let mut drawings = drawings(plan, input);
     drawings.push(timeline_drawing(&written.program, &input.machine));
     budget.stage("report");
-    let Written { text, program, bound_time_s, trace } = written;
-    let report = TapeReport::new(plan, &input.machine, program.time_s, bound_time_s, figures);
+    let Written { text, program, bound_time_s, trace, .. } = written;
+    let report = TapeReport::new(plan, input, program.time_s, bound_time_s, figures);
     let file = ProgramFile { name, dialect: language(input.machine.dialect).name, text };
     let sheet = (!any_error(&findings)).then(|| setup::sheet(plan, &program, &file, input, input_sha256));
     let attachments = trace.attachments().into_iter().chain(sheet).collect();
@@ -158,16 +181,17 @@ fn finish(
         .with_attachments(attachments)
 }
 
-/// Reads a program back from its text and replays it against a plan. The findings are errors where the program
-/// must not run.
-#[must_use]
-pub fn replay_text(
+/// Reads a program back from its text and replays it against a plan; a dry run against the program that it is the dry
+/// run of, which is replayed itself. The findings are errors where the program must not run.
+fn judge(
     name: &str,
     text: &str,
+    written: &Written,
     plan: &TapePlan,
     input: &TapeInput,
 ) -> (ReplayFigures, Vec<Finding>) {
     let wanted = plan.wanted();
+    let overcut_mm = input.machine.overcut().mm();
     let setup = ReplaySetup {
         program: name,
         machine: &input.machine,
@@ -175,11 +199,22 @@ pub fn replay_text(
         tolerance_mm: input.tolerance.mm(),
         tape_width_mm: input.width.mm(),
         wanted: &wanted,
+        overcut_mm,
+        pieces: &if overcut_mm > 0.0 { overcut::outlines(plan) } else { Vec::new() },
+        before: &written.before,
     };
-    let (figures, mut findings) = match nc::read_back(name, text, &input.machine) {
-        Ok(events) => replay(&setup, &events),
-        Err(faults) => (ReplayFigures::nothing_made(&wanted), faults),
+    let read = |text: &str| nc::read_back(name, text, &input.machine);
+    let judged = match &written.cutting {
+        None => read(text).map(|events| replay(&setup, &events)),
+        Some(cutting) => read(text).and_then(|dry| {
+            let cutting = read(cutting)?;
+            let (figures, mut findings) = replay(&setup, &cutting);
+            findings.extend(dry::compare(name, &dry, &cutting));
+            Ok((figures, findings))
+        }),
     };
+    let (figures, mut findings) =
+        judged.unwrap_or_else(|faults| (ReplayFigures::nothing_made(&wanted), faults));
     findings.extend(too_long(name, text, input.machine.max_line_characters));
     (figures, findings)
 }
@@ -215,11 +250,12 @@ pub fn check(
             return Ok(("the job has no plan".to_owned(), faults));
         }
     };
-    let (figures, mut findings) = replay_text(name, text, &plan, &input);
-    match write(&plan, &input, input_sha256, budget) {
-        Ok(written) => findings.extend(difference(name, text, &written.text)),
-        Err(faults) => findings.extend(faults),
-    }
+    let written = match write(&plan, &input, input_sha256, budget) {
+        Ok(written) => written,
+        Err(faults) => return Ok(("the job has no program".to_owned(), faults)),
+    };
+    let (figures, mut findings) = judge(name, text, &written, &plan, &input);
+    findings.extend(difference(name, text, &written.text));
     Ok((figures.to_string(), findings))
 }
 

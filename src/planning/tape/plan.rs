@@ -198,7 +198,9 @@ fn finished(courses: Vec<PlannedCourse>, roll: &Roll, input: &TapeInput) -> Tape
     let pieces: Vec<&Piece> = courses.iter().flat_map(|course| &course.pieces).map(|p| &p.piece).collect();
     // The U axis reads 0 with the leading end of the tape under cutter 1.
     let first_station = input.machine.cutters[0].station.mm();
-    let lead_mm = rounded(roll.leading_end(&pieces) - first_station, super::stroke::DECIMALS);
+    // The first cut begins before its piece by as much as it overcuts.
+    let leading_end = roll.leading_end(&pieces) + input.machine.overcut().mm();
+    let lead_mm = rounded(leading_end - first_station, super::stroke::DECIMALS);
     let figures = roll.figures(&pieces, input.width, lead_mm);
     let order = roll.order.iter().map(|&index| places[index]).collect();
     TapePlan { courses, order, figures }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::chain::Slope;
-use super::machine::Machine;
+use super::input::TapeInput;
 use super::plan::{PlannedCourse, PlannedPiece, TapePlan};
 use super::roll::RollFigures;
 use super::tips::{Tip, tips};
@@ -25,6 +25,12 @@ pub struct TapeReport {
     tips: Vec<Tip>,
     /// Outlines changed on the scrap side to suit the knives.
     simplified: Vec<SimplifiedReport>,
+    /// The course from which on the program goes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    from_course: Option<u32>,
+    /// The program is a dry run; the figures of the replay are those of the program that cuts.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    dry_run: bool,
 }
 
 /// How far a course's outlines were changed.
@@ -86,7 +92,7 @@ impl TapeReport {
     #[must_use]
     pub fn new(
         plan: &TapePlan,
-        machine: &Machine,
+        input: &TapeInput,
         time_s: f64,
         bound_time_s: f64,
         replay: ReplayFigures,
@@ -95,6 +101,7 @@ impl TapeReport {
             number: course.number,
             pieces: course.pieces.iter().map(piece_report).collect(),
         });
+        let machine = &input.machine;
         let (name, profile_sha256) = (machine.name.clone(), machine.profile_sha256.clone());
         Self {
             machine: MachineReport { name, profile_sha256 },
@@ -106,6 +113,8 @@ impl TapeReport {
             replay,
             simplified: plan.courses.iter().filter_map(simplified_report).collect(),
             tips: tips(plan, machine),
+            from_course: input.from_course,
+            dry_run: input.dry_run,
         }
     }
 }

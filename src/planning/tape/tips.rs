@@ -69,8 +69,10 @@ pub fn tips(plan: &TapePlan, machine: &Machine) -> Vec<Tip> {
     for course in &plan.courses {
         for (index, piece) in course.pieces.iter().enumerate() {
             for (one, other) in meeting(piece) {
-                let tip = tip(piece, one, other, plan.figures.lead_mm, machine);
-                tips.extend(tip.map(|tip| Tip { course: course.number, piece: index + 1, ..tip }));
+                let both = [TipKind::Greater, TipKind::Less];
+                let found = both.map(|kind| tip(piece, (one, other), kind, plan.figures.lead_mm, machine));
+                let named = |tip| Tip { course: course.number, piece: index + 1, ..tip };
+                tips.extend(found.into_iter().flatten().map(named));
             }
         }
     }
@@ -79,11 +81,11 @@ pub fn tips(plan: &TapePlan, machine: &Machine) -> Vec<Tip> {
 
 type Given = (Chain, usize);
 
-/// Chains of one cut that follow one another along it; those of a closed cut in a ring.
+/// Chains of one cut that follow one another along it; those of a closed cut in a ring. Two chains may meet at both ends.
 fn meeting(piece: &PlannedPiece) -> Vec<(&Given, &Given)> {
     let cuts = piece.chains.chunk_by(|one, other| one.0.cut == other.0.cut);
     cuts.flat_map(|chains| {
-        let ring = chains.len() == 2 || chains.first().is_some_and(|(chain, _)| !chain.edge_to_edge);
+        let ring = chains.len() > 2 && chains.first().is_some_and(|(chain, _)| !chain.edge_to_edge);
         let pairs = chains.windows(2).map(|pair| (&pair[0], &pair[1]));
         pairs.chain(ring.then(|| chains.last().zip(chains.first())).flatten())
     })
@@ -92,21 +94,16 @@ fn meeting(piece: &PlannedPiece) -> Vec<(&Given, &Given)> {
 
 fn tip(
     piece: &PlannedPiece,
-    (one, knife): &Given,
-    (other, other_knife): &Given,
+    ((one, knife), (other, other_knife)): (&Given, &Given),
+    kind: TipKind,
     lead_mm: f64,
     machine: &Machine,
 ) -> Option<Tip> {
-    if knife == other_knife {
-        return None;
-    }
-    let begins = one.points.first() == other.points.first();
-    let ends = one.points.last() == other.points.last();
-    let (kind, at) = match (begins, ends, one.points.first(), one.points.last()) {
-        (true, _, Some(first), _) => (TipKind::Greater, *first),
-        (false, true, _, Some(last)) => (TipKind::Less, *last),
-        _ => return None,
-    };
+    let [at, met] = [one, other].map(|chain| match kind {
+        TipKind::Greater => chain.points.first(),
+        TipKind::Less => chain.points.last(),
+    });
+    let at = *at.filter(|_| knife != other_knife && at == met)?;
     let ways = [one, other].map(|chain| way(chain, kind)).map(Option::unwrap_or_default);
     let cutters = [*knife, *other_knife].map(|knife| &machine.cutters[knife]);
     let apart_mm = (cutters[1].station.mm() - cutters[0].station.mm()).abs();

@@ -14,10 +14,13 @@ use bladeplan::planning::program::nc::read::read;
 use bladeplan::planning::program::number::rounded;
 use bladeplan::planning::tape::machine::{Catalogue, Machine, check, two_cutter_lab};
 use proptest::prelude::*;
+use serde_json::json;
 
 use super::agreement::compare;
 use super::{fixture, interpret};
+use crate::craft::overcutting;
 use crate::golden::{cases, outcome};
+use crate::profiles::{job, lab_with, plan_job};
 use crate::random_plies::{Ply, plies};
 use crate::rounds::runner;
 
@@ -148,6 +151,23 @@ fn every_golden_program_agrees_with_our_reader() {
 fn every_planned_ply_agrees_with_our_reader() {
     let agree = |ply: Ply| ply.plan().programs.iter().try_for_each(|program| agrees(&program.text));
     runner(50).run(&plies(), agree).unwrap();
+}
+
+/// Overcuts, a spool's degrees, a program from a course on and a dry run.
+#[test]
+fn every_way_to_cut_the_example_agrees_with_our_reader() {
+    let example = job("examples/wing-skin-trapezoid-45.job.json");
+    let spool = json!({"core_radius_mm": 50, "roll_radius_mm": 150, "layer_thickness_mm": 0.4});
+    let spooled = lab_with(&[("/feed/drive", json!("unwind_angle")), ("/feed/spool", spool)]);
+    for (machine, options) in [
+        (overcutting(1.5), json!(null)),
+        (spooled, json!(null)),
+        (lab_with(&[]), json!({"dry_run": true})),
+        (overcutting(1.5), json!({"from_course": 1})),
+    ] {
+        let planned = plan_job(&example, &machine, &options).unwrap();
+        agrees(&planned.programs[0].text).unwrap();
+    }
 }
 
 #[test]

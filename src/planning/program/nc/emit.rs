@@ -31,7 +31,8 @@ pub fn emit(program: &TapeProgram, machine: &Machine, input_sha256: &str) -> Str
         machine,
         language: language(machine.dialect),
         text: String::new(),
-        pose: Pose::default(),
+        pose: program.start,
+        dry: program.dry,
         number: 0,
         all_axes: false,
     };
@@ -48,6 +49,8 @@ struct Writer<'a> {
     language: &'static Language,
     text: String,
     pose: Pose,
+    /// Whether nothing is switched on.
+    dry: bool,
     number: u32,
     /// Whether the next move names every axis, so that the program can be started there.
     all_axes: bool,
@@ -57,7 +60,14 @@ impl Writer<'_> {
     fn header(&mut self, input_sha256: &str) {
         self.comment(&format!("BLADEPLAN {PLANNER_VERSION} TAPE CUT"));
         self.comment(&format!("INPUT {}", input_sha256.to_ascii_uppercase()));
-        self.comment("ALL AXES AT ZERO, LEADING END OF THE TAPE UNDER CUTTER 1, KNIVES UP");
+        if self.pose == Pose::default() {
+            self.comment("ALL AXES AT ZERO, LEADING END OF THE TAPE UNDER CUTTER 1, KNIVES UP");
+        } else {
+            self.comment("GOES ON WITHIN A ROLL, AXES READ AS IN THE WHOLE PROGRAM, KNIVES UP");
+        }
+        if self.dry {
+            self.comment("DRY RUN, KNIVES STAY UP, ULTRASONIC STAYS OFF");
+        }
         self.modes();
     }
 
@@ -99,13 +109,13 @@ impl Writer<'_> {
         self.switch(Switched::Ultrasonic, true);
         let here = self.pose;
         self.all_axes = true;
-        // The tape may have to come all the way from its beginning.
-        let tape_s = here.feed_mm / (RESTORE_SHARE * machine.feed.max_speed.mm_s());
-        self.move_to(&here, tape_s.max(RESTORE_S));
+        self.move_to(&here, restore_s(machine, &here));
     }
 
     fn switch(&mut self, switched: Switched, on: bool) {
-        self.block(&(self.language.switch)(self.machine, switched, on));
+        if !(on && self.dry) {
+            self.block(&(self.language.switch)(self.machine, switched, on));
+        }
     }
 
     fn dwell(&mut self, seconds: f64) {
@@ -143,6 +153,13 @@ impl Writer<'_> {
         self.text.push_str(&(self.language.comment)(text));
         self.text.push('\n');
     }
+}
+
+/// How long the move into place at a restart takes, in s: the tape may have to come all the way from its beginning.
+#[must_use]
+pub fn restore_s(machine: &Machine, here: &Pose) -> f64 {
+    let tape_s = here.feed_mm / (RESTORE_SHARE * machine.feed.max_speed.mm_s());
+    tape_s.max(RESTORE_S)
 }
 
 /// The tape axis at a reading in mm: in mm, or in degrees of the spool that it turns.

@@ -4,8 +4,8 @@ use super::ReplaySetup;
 use super::curves::Curves;
 use super::faults::Faults;
 use super::nearness::{GAP_MM, Probe, Segment, Span, distance, far_parts, is_near};
-use super::passes;
 use super::strokes::Stroke;
+use super::{overcut, passes};
 use crate::planning::finding::Code;
 use crate::planning::tolerance::REPLAY_SLACK_MM;
 
@@ -21,6 +21,7 @@ pub(super) struct Compared {
     pub(super) max_deviation_mm: f64,
     pub(super) uncut_mm: f64,
     pub(super) unwanted_mm: f64,
+    pub(super) overcut_mm: f64,
 }
 
 /// Compares the strokes of a program with the wanted cuts.
@@ -28,13 +29,16 @@ pub(super) fn compare(setup: &ReplaySetup<'_>, strokes: &[Stroke], faults: &mut 
     let within_mm = setup.tolerance_mm + REPLAY_SLACK_MM;
     let wanted = Curves::of(setup.wanted.iter().map(|cut| cut.points.as_slice()));
     let made = Curves::of(strokes.iter().map(|stroke| stroke.points.as_slice()));
+    let mut extra = Side::of(&made, &wanted, within_mm);
+    let overcut_mm = extra.take_overcuts(setup, strokes, &made, within_mm);
     let comparison = Comparison {
         setup,
         strokes,
         within_mm,
         missing: Side::of(&wanted, &made, within_mm),
-        extra: Side::of(&made, &wanted, within_mm),
-        twice: passes::twice(&made, &wanted, within_mm),
+        extra,
+        overcut_mm,
+        twice: passes::twice(&made, &wanted, within_mm, setup.overcut_mm),
         wanted,
         made,
     };
@@ -118,6 +122,24 @@ impl Side {
         open.clear();
     }
 
+    /// Takes out what is cut beyond the end of a stroke as the machine's overcut allows, and gives its length in mm.
+    fn take_overcuts(
+        &mut self,
+        setup: &ReplaySetup<'_>,
+        strokes: &[Stroke],
+        made: &Curves,
+        within_mm: f64,
+    ) -> f64 {
+        let mut taken_mm = 0.0;
+        self.runs.retain(|run| {
+            let stroke = &strokes[made.pieces[run.piece].curve];
+            let allowed = overcut::is_overcut(setup, stroke, (run.from, run.to, run.length_mm), within_mm);
+            taken_mm += if allowed { run.length_mm } else { 0.0 };
+            !allowed
+        });
+        taken_mm
+    }
+
     /// The largest deviation of what belongs together, and its piece.
     fn deviation(&self) -> (f64, Option<usize>) {
         let displaced = self.runs.iter().filter_map(|run| run.off_mm.map(|off_mm| (off_mm, Some(run.piece))));
@@ -157,6 +179,7 @@ struct Comparison<'a> {
     made: Curves,
     missing: Side,
     extra: Side,
+    overcut_mm: f64,
     twice: Vec<passes::Twice>,
 }
 
@@ -173,7 +196,8 @@ impl Comparison<'_> {
         if unwanted_mm > NEGLIGIBLE_MM {
             self.say_unwanted(faults);
         }
-        Compared { max_deviation_mm: self.judge_deviation(faults), uncut_mm, unwanted_mm }
+        let max_deviation_mm = self.judge_deviation(faults);
+        Compared { max_deviation_mm, uncut_mm, unwanted_mm, overcut_mm: self.overcut_mm }
     }
 
     fn say_uncut(&self, faults: &mut Faults<'_>) {

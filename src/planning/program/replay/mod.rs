@@ -7,8 +7,10 @@
 mod blade;
 mod compare;
 mod curves;
+pub mod dry;
 mod faults;
 mod nearness;
+mod overcut;
 mod passes;
 mod reel;
 mod run;
@@ -21,6 +23,7 @@ use super::events::Executed;
 use crate::planning::finding::Finding;
 use crate::planning::tape::machine::Machine;
 use faults::Faults;
+use strokes::Stroke;
 
 /// A cut that the plan wants, in roll coordinates, as it was developed: not thinned, not ordered.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,6 +46,12 @@ pub struct ReplayFigures {
     pub unwanted_mm: f64,
     /// How often the tape runs backwards.
     pub tape_reversals: u32,
+    /// Length in mm of cuts that go on beyond their ends, as the machine's overcut allows.
+    #[serde(default)]
+    pub overcut_mm: f64,
+    /// Cycle time in s by what was read: each move from rest to rest with the accelerations of the machine.
+    #[serde(default)]
+    pub time_s: f64,
 }
 
 impl ReplayFigures {
@@ -60,6 +69,8 @@ impl ReplayFigures {
             uncut_mm: wanted.iter().map(length).sum(),
             unwanted_mm: 0.0,
             tape_reversals: 0,
+            overcut_mm: 0.0,
+            time_s: 0.0,
         }
     }
 }
@@ -90,24 +101,35 @@ pub struct ReplaySetup<'a> {
     pub tape_width_mm: f64,
     /// Every cut of the roll. Coincident ones, of two neighbours that touch, may be made once or once each.
     pub wanted: &'a [WantedCut],
+    /// How far cuts may go on beyond their ends, in mm, where no piece lies.
+    pub overcut_mm: f64,
+    /// Outline and cut-outs of each piece, in roll coordinates: what no overcut may enter.
+    pub pieces: &'a [Vec<Vec<[f64; 2]>>],
+    /// What was cut before the program begins, in roll coordinates: of a program that goes on from a course.
+    pub before: &'a [Vec<[f64; 2]>],
 }
 
 /// Replays a program: the figures, and a finding with its line for everything that is not safe or not wanted.
 ///
 /// With no finding the tape never runs backwards, all axes keep their travel and speed, knives move only with
 /// the generator on and after their dwells, blades lie along their cuts, and what is cut is what is wanted,
-/// each within `tolerance_mm` and the slack of printed digits. Accelerations are left to the control. The
+/// each within `tolerance_mm` and the slack of printed digits. A text commands no accelerations, the control keeps its own;
+/// `time_s` is with those of the machine. The
 /// distances are exact but for 1e-9 mm (see `nearness`).
 #[must_use]
 pub fn replay(setup: &ReplaySetup<'_>, events: &[Executed]) -> (ReplayFigures, Vec<Finding>) {
     let mut faults = Faults::new(setup.program);
     let run = run::run(setup, events, &mut faults);
-    let compared = compare::compare(setup, &run.strokes, &mut faults);
+    let before = setup.before.iter().map(|points| Stroke::made_before(points));
+    let strokes: Vec<_> = before.chain(run.strokes).collect();
+    let compared = compare::compare(setup, &strokes, &mut faults);
     let figures = ReplayFigures {
         max_deviation_mm: compared.max_deviation_mm,
         uncut_mm: compared.uncut_mm,
         unwanted_mm: compared.unwanted_mm,
         tape_reversals: run.tape_reversals,
+        overcut_mm: compared.overcut_mm,
+        time_s: run.time_s,
     };
     (figures, faults.finish())
 }

@@ -34,10 +34,12 @@ pub(super) struct Twice {
     pub(super) share_mm: f64,
 }
 
-/// All that is cut too often. `within_mm` (D) is how far a cut may lie from its place.
-pub(super) fn twice(made: &Curves, wanted: &Curves, within_mm: f64) -> Vec<Twice> {
+/// All that is cut too often. `within_mm` (D) is how far a cut may lie from its place. Where cuts go on beyond their
+/// ends by `overcut_mm`, two of them may lie side by side for that long each.
+pub(super) fn twice(made: &Curves, wanted: &Curves, within_mm: f64, overcut_mm: f64) -> Vec<Twice> {
     let mut counter = Counter { made, wanted, within_mm, found: Vec::new(), changes: Vec::new() };
-    let mut runs = Runs { open: None, done: Vec::new(), longest_joint_mm: 6.0 * within_mm };
+    let mut runs =
+        Runs { open: None, done: Vec::new(), longest_joint_mm: 6.0 * within_mm + 2.0 * overcut_mm };
     for (index, piece) in made.pieces.iter().enumerate() {
         let probe = Probe::along(piece.ends);
         let same_curve = index > 0 && made.pieces[index - 1].curve == piece.curve && piece.joined;

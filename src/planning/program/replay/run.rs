@@ -19,6 +19,8 @@ pub(super) struct Run {
     pub(super) strokes: Vec<Stroke>,
     /// How often the tape ran backwards.
     pub(super) tape_reversals: u32,
+    /// How long it took, in s.
+    pub(super) time_s: f64,
 }
 
 /// Runs all events up to the end of the program.
@@ -56,6 +58,7 @@ struct Platform<'a, 'b> {
     ended: bool,
     strokes: Vec<Stroke>,
     tape_reversals: u32,
+    time_s: f64,
 }
 
 impl<'a, 'b> Platform<'a, 'b> {
@@ -77,6 +80,7 @@ impl<'a, 'b> Platform<'a, 'b> {
             ended: false,
             strokes: Vec::new(),
             tape_reversals: 0,
+            time_s: 0.0,
         }
     }
 
@@ -86,6 +90,7 @@ impl<'a, 'b> Platform<'a, 'b> {
             Event::Move { from, to, cruise_s } => self.go(Moved { from, to, cruise_s, line }),
             Event::Output { number, on } => self.switch(number, on, line),
             Event::Dwell { seconds } => {
+                self.time_s += seconds.max(0.0);
                 self.knives.iter_mut().for_each(|knife| knife.settled_s += seconds.max(0.0));
             }
             Event::OptionalStop => self.stop(line),
@@ -101,6 +106,7 @@ impl<'a, 'b> Platform<'a, 'b> {
             return;
         }
         self.positions = moved.to;
+        self.time_s += travel::rest_to_rest_s(&self.axes, &moved);
         self.check_settled(moved.line);
         let down: Vec<bool> = self.knives.iter().map(|knife| knife.down).collect();
         if self.axes.feed_delta(&moved) < 0.0 {
@@ -144,7 +150,8 @@ impl<'a, 'b> Platform<'a, 'b> {
             }
             stroke.cut_to(to, moved.line);
         }
-        let edge_mm = self.setup.tape_width_mm / 2.0 + self.setup.tolerance_mm + REPLAY_SLACK_MM;
+        let setup = self.setup;
+        let edge_mm = setup.tape_width_mm / 2.0 + setup.overcut_mm + setup.tolerance_mm + REPLAY_SLACK_MM;
         if to[1].abs() > edge_mm && !knife.said_beside {
             knife.said_beside = true;
             self.faults.at_line(Code::Unwanted, moved.line, || {
@@ -236,6 +243,6 @@ impl<'a, 'b> Platform<'a, 'b> {
         }
         let open = self.knives.iter_mut().filter_map(|knife| knife.stroke.take());
         self.strokes.extend(open.filter(|stroke| !stroke.is_empty()));
-        Run { strokes: self.strokes, tape_reversals: self.tape_reversals }
+        Run { strokes: self.strokes, tape_reversals: self.tape_reversals, time_s: self.time_s }
     }
 }

@@ -15,6 +15,11 @@ impl Stroke {
         Self { points: vec![point], lines: Vec::new() }
     }
 
+    /// What an earlier program has cut: no line of this one made it.
+    pub(super) fn made_before(points: &[[f64; 2]]) -> Self {
+        Self { points: points.to_vec(), lines: vec![0; points.len().saturating_sub(1)] }
+    }
+
     /// It is moved to another point.
     pub(super) fn cut_to(&mut self, point: [f64; 2], line: usize) {
         self.points.push(point);

@@ -176,6 +176,23 @@ fn check_range(moved: &Moved, axis: usize, (low, high): (f64, f64), slack: f64, 
     }
 }
 
+/// How long a move lasts in s from rest to rest: it cruises as programmed, and its slowest axis needs the time to
+/// come up to that and down again. A move too short for it has no cruise: half of it speeds up, half slows down.
+pub(super) fn rest_to_rest_s(axes: &Axes<'_>, moved: &Moved) -> f64 {
+    let Some(cruise_s) = moved.cruise_s else { return 0.0 };
+    let machine = axes.machine;
+    let ratios = machine.cutters.iter().enumerate().flat_map(|(index, cutter)| {
+        let [from, to] = axes.blade(index, moved);
+        [
+            axes.lateral_delta(index, moved).abs() / cutter.lateral_acceleration.mm_s2(),
+            (to - from).abs() / cutter.blade_acceleration.deg_s2(),
+        ]
+    });
+    let feed = axes.feed_way(moved) / machine.feed.max_acceleration.mm_s2();
+    let squared = ratios.fold(feed, f64::max);
+    if squared > cruise_s * cruise_s { 2.0 * squared.sqrt() } else { cruise_s + squared / cruise_s }
+}
+
 /// The longest time in s that prints as the F of this one.
 fn longest_s(cruise_s: f64) -> f64 {
     let per_minute = 60.0 / cruise_s;

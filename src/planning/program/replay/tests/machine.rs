@@ -166,6 +166,9 @@ fn events_without_an_end_and_places_off_the_world_are_answered() {
         tolerance_mm: 0.01,
         tape_width_mm: 75.0,
         wanted: &wanted,
+        overcut_mm: 0.0,
+        pieces: &[],
+        before: &[],
     };
     let (figures, findings) = replay(&setup, &events);
     assert!(figures.uncut_mm > 1.0 && figures.unwanted_mm > 1.0);

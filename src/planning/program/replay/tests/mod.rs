@@ -50,13 +50,13 @@ fn replay_text(machine: &Machine, text: &str, wanted: &[WantedCut]) -> (ReplayFi
         tolerance_mm: 0.01,
         tape_width_mm: 75.0,
         wanted,
+        overcut_mm: 0.0,
+        pieces: &[],
+        before: &[],
     };
     match read("tip.ngc", text) {
         Ok(events) => replay(&setup, &events),
-        Err(faults) => (
-            ReplayFigures { max_deviation_mm: 0.0, uncut_mm: 0.0, unwanted_mm: 0.0, tape_reversals: 0 },
-            faults,
-        ),
+        Err(faults) => (ReplayFigures::nothing_made(&[]), faults),
     }
 }
 

@@ -24,6 +24,9 @@ fn compared(wanted: &[Points], made: &[Points]) -> (Compared, Vec<Finding>) {
         tolerance_mm: TOLERANCE_MM,
         tape_width_mm: 300.0,
         wanted: &wanted,
+        overcut_mm: 0.0,
+        pieces: &[],
+        before: &[],
     };
     let mut faults = Faults::new("p");
     (compare(&setup, &strokes, &mut faults), faults.finish())
@@ -204,6 +207,9 @@ fn missing_cuts_of_two_courses_are_told_apart() {
         tolerance_mm: TOLERANCE_MM,
         tape_width_mm: 300.0,
         wanted: &wanted,
+        overcut_mm: 0.0,
+        pieces: &[],
+        before: &[],
     };
     let mut faults = Faults::new("p");
     compare(&setup, &[], &mut faults);

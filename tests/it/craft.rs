@@ -1,0 +1,225 @@
+//! Knife craft: overcut, a program from a course on, dry run, the cycle time by what was read.
+
+use bladeplan::planning::attempt::check;
+use bladeplan::planning::budget::Budget;
+use bladeplan::planning::document;
+use bladeplan::planning::document::files::Files;
+use bladeplan::planning::finding::{Code, Finding};
+use bladeplan::planning::outcome::{Outcome, ProgramFile, Verdict};
+use bladeplan::planning::program::events::{Event, Executed};
+use bladeplan::planning::program::nc::read::read;
+use bladeplan::planning::tape::machine::Catalogue;
+use bladeplan::planning::tape::trace::text;
+use proptest::prelude::*;
+use serde_json::{Value, json};
+
+use crate::profiles::{job, lab, lab_with, plan_job, refused};
+use crate::random_plies::{Ply, plies};
+use crate::rounds::runner;
+
+const EXAMPLE: &str = "examples/wing-skin-trapezoid-45.job.json";
+
+/// The lab, both of whose knives overcut.
+pub fn overcutting(mm: f64) -> Value {
+    lab_with(&[("/cutters/0/blade/overcut_mm", json!(mm)), ("/cutters/1/blade/overcut_mm", json!(mm))])
+}
+
+fn planned(path: &str, machine: &Value, options: Value) -> Outcome {
+    plan_job(&job(path), machine, &options).unwrap()
+}
+
+fn errors(findings: &[Finding]) -> Vec<&Finding> {
+    findings.iter().filter(|finding| finding.is_error()).collect()
+}
+
+/// Checks a text against a job.
+fn checked(job: &Value, name: &str, text: String) -> Vec<Finding> {
+    let document = document::from_value(job.clone()).unwrap();
+    let file = ProgramFile { name: name.to_owned(), dialect: "linuxcnc", text };
+    check(&document, &Files::default(), &Catalogue::built_in(), &[file], &Budget::unwatched()).unwrap().1
+}
+
+#[test]
+fn a_tip_is_overcut_to_where_it_was_worked_out() {
+    let outcome = planned("examples/first.job.json", &overcutting(2.0), json!(null));
+    assert_eq!(outcome.verdict, Verdict::Usable, "{:?}", outcome.findings);
+    let trace = &outcome.attachments[0].text;
+    // 2 mm at 45 degrees are 1.4142 mm along either axis: beyond the tip, and beyond the tape's edge.
+    for line in [
+        "DOWN 1 1 401.4142 -1.4142\nCUT 361.0858 38.9142 ",
+        "DOWN 1 2 401.4142 1.4142\nCUT 361.0858 -38.9142 ",
+    ] {
+        assert!(trace.contains(line), "{line}\n{trace}");
+    }
+    // The square start of the piece goes on beyond both edges of the tape.
+    let trace = text::read(trace).unwrap();
+    let square = trace.courses[0].strokes.iter().find(|stroke| stroke.down[0] == 0.0).unwrap();
+    assert_eq!(square.down[1].abs().max(square.cuts[0].to[1].abs()), 39.5);
+    let figures = &outcome.report["replay"];
+    assert!((figures["overcut_mm"].as_f64().unwrap() - 12.0).abs() < 0.2, "{figures}");
+    assert_eq!((figures["uncut_mm"].as_f64(), figures["unwanted_mm"].as_f64()), (Some(0.0), Some(0.0)));
+    assert!(outcome.findings.iter().all(|finding| finding.code != Code::OvercutShortened));
+    // The same program on a machine whose knives do not overcut is one that cuts what nobody wants.
+    let mut plain = job("examples/first.job.json");
+    plain["input"]["machine"] = lab();
+    let found = checked(&plain, "roll.ngc", outcome.programs[0].text.clone());
+    assert!(found.iter().any(|finding| finding.code == Code::Unwanted), "{found:?}");
+}
+
+/// A notch whose legs would go on into the piece, and a round cut-out whose every tangent does: said, and not cut.
+#[test]
+fn no_overcut_enters_a_piece() {
+    let notched = json!({"kind": "tape-cut", "name": "n", "input": {
+        "tape": {"width_mm": 75, "thickness_mm": 0.125},
+        "boundary": {"points": [[0,-37.5,0],[30,0,0],[0,37.5,0],[400,37.5,0],[400,-37.5,0]]},
+        "tracks": [{"number": 1, "points": [{"position":[0,0,0],"normal":[0,0,1]},{"position":[400,0,0],"normal":[0,0,1]}]}]}});
+    let outcome = plan_job(&notched, &overcutting(3.0), &json!(null)).unwrap();
+    assert_eq!(outcome.verdict, Verdict::Usable, "{:?}", outcome.findings);
+    let said = outcome.findings.iter().find(|finding| finding.code == Code::OvercutShortened).unwrap();
+    assert!(said.message.starts_with("2 of 6 ends") && said.message.contains("by 3.000 mm"), "{said}");
+}
+
+#[test]
+fn every_ply_passes_its_replay_with_an_overcut() {
+    let passes = |(ply, mm): (Ply, f64)| {
+        let outcome = ply.plan_on(&overcutting(mm));
+        let errors = errors(&outcome.findings);
+        prop_assert!(errors.iter().all(|finding| finding.code == Code::TooManyKnives), "{:?}", errors);
+        if errors.is_empty() {
+            let replay = &outcome.report["replay"];
+            prop_assert!(replay["overcut_mm"].as_f64().unwrap() > 0.0, "{}", replay);
+            prop_assert!(replay["uncut_mm"].as_f64().unwrap() <= 0.02, "{}", replay);
+        }
+        Ok(())
+    };
+    runner(60).run(&(plies(), 0.5..5.0_f64), passes).unwrap();
+}
+
+#[test]
+fn the_cycle_time_is_that_of_the_text() {
+    let same = |ply: Ply| {
+        let outcome = ply.plan();
+        if let (Some(time), Some(read)) =
+            (outcome.report["time_s"].as_f64(), outcome.report["replay"]["time_s"].as_f64())
+        {
+            // F is rounded down to four decimals, and a move of a second has an F of 60.
+            prop_assert!(read >= time - 1e-6 && read < time * 1.001, "{} {}", read, time);
+        }
+        Ok(())
+    };
+    runner(40).run(&plies(), same).unwrap();
+    let fast = planned(EXAMPLE, &lab(), json!(null)).report["time_s"].as_f64().unwrap();
+    let slow = lab_with(&[("/feed/max_acceleration_mm_s2", json!(50))]);
+    assert!(planned(EXAMPLE, &slow, json!(null)).report["time_s"].as_f64().unwrap() > fast + 1.0);
+}
+
+fn events(outcome: &Outcome) -> Vec<Executed> {
+    read("p", &outcome.programs[0].text).unwrap()
+}
+
+#[test]
+fn a_program_from_a_course_on_makes_what_is_left_and_nothing_twice() {
+    let whole = planned(EXAMPLE, &lab(), json!(null));
+    let trace = text::read(&whole.attachments[0].text).unwrap();
+    let (mut usable, mut refused) = (0, 0);
+    for course in trace.courses.iter().step_by(4) {
+        let outcome = planned(EXAMPLE, &lab(), json!({"from_course": course.number}));
+        if outcome.verdict == Verdict::NotUsable {
+            refused += 1;
+            let found = errors(&outcome.findings);
+            assert!(found.len() == 1 && found[0].code == Code::KnifeState, "{found:?}");
+            assert!(
+                found[0].at == "/input/options/from_course" && found[0].message.contains("can go on from")
+            );
+            continue;
+        }
+        usable += 1;
+        let program = &outcome.programs[0];
+        assert_eq!(program.name, format!("roll-from-course-{}.ngc", course.number));
+        assert_eq!(outcome.report["from_course"], course.number);
+        assert_ne!(outcome.report["input_sha256"], whole.report["input_sha256"]);
+        // The rest is that of the whole program, word for word.
+        let lines = |text: &str| -> Vec<String> {
+            text.lines().rev().map(|line| line.split_once(' ').unwrap().1.to_owned()).collect()
+        };
+        let (rest, all) = (lines(&program.text), lines(&whole.programs[0].text));
+        let same = rest.iter().zip(&all).take_while(|(one, other)| one == other).count();
+        assert!(same + 8 >= rest.len(), "course {}: {same} of {}", course.number, rest.len());
+        let (time, read) = (&outcome.report["time_s"], outcome.report["replay"]["time_s"].as_f64().unwrap());
+        // The tape may take a quarter of an hour into its place: an F of 0.0669, rounded down.
+        assert!((time.as_f64().unwrap() - read).abs() < 0.002 * read, "{time} {read}");
+    }
+    assert!(usable >= 2, "{usable} usable, {refused} refused");
+    let nowhere = planned(EXAMPLE, &lab(), json!({"from_course": 999}));
+    assert_eq!(errors(&nowhere.findings)[0].code, Code::NoCourseOnPly);
+}
+
+#[test]
+fn a_program_that_goes_on_elsewhere_does_not_pass() {
+    let whole = planned(EXAMPLE, &lab(), json!(null));
+    let mut options = job(EXAMPLE);
+    let numbers: Vec<u32> =
+        text::read(&whole.attachments[0].text).unwrap().courses.iter().map(|c| c.number).collect();
+    options["input"]["options"] = json!({"from_course": numbers[0]});
+    // The last course of the roll alone is left in the program, and its text is the whole roll's.
+    let found = checked(&options, "roll.ngc", whole.programs[0].text.clone());
+    assert!(
+        found.iter().any(|finding| finding.code == Code::Unwanted || finding.code == Code::DiffersFromPlan)
+    );
+}
+
+#[test]
+fn a_dry_run_moves_alike_and_switches_nothing_on() {
+    let wet = planned(EXAMPLE, &lab(), json!(null));
+    let dry = planned(EXAMPLE, &lab(), json!({"dry_run": true}));
+    assert_eq!(dry.verdict, Verdict::Usable, "{:?}", dry.findings);
+    assert_eq!((dry.programs[0].name.as_str(), &dry.report["dry_run"]), ("roll-dry-run.ngc", &json!(true)));
+    assert!(wet.report.get("dry_run").is_none());
+    assert_ne!(dry.report["programs"][0]["sha256"], wet.report["programs"][0]["sha256"]);
+    assert_ne!(dry.report["input_sha256"], wet.report["input_sha256"]);
+    assert!(!dry.programs[0].text.contains("M64") && dry.programs[0].text.contains("(DRY RUN"));
+    let moves = |outcome| -> Vec<Event> {
+        let others = |event: &Event| !matches!(event, Event::Output { .. });
+        events(outcome).into_iter().map(|executed| executed.event).filter(others).collect()
+    };
+    assert_eq!(moves(&dry), moves(&wet));
+    // A knife in it, a move left out, and the program that cuts: none of them is its dry run.
+    let mut dry_job = job(EXAMPLE);
+    dry_job["input"]["options"] = json!({"dry_run": true});
+    let text = &dry.programs[0].text;
+    let knife = text.replacen("G4 P0.05", "M64 P0", 1);
+    let middle = text.lines().position(|line| line.contains("G1 U")).unwrap();
+    let left_out: Vec<&str> =
+        text.lines().enumerate().filter(|(at, _)| *at != middle).map(|(_, line)| line).collect();
+    for (changed, code) in [
+        (knife, Code::KnifeState),
+        (left_out.join("\n") + "\n", Code::Deviation),
+        (wet.programs[0].text.clone(), Code::KnifeState),
+    ] {
+        let found = checked(&dry_job, "roll-dry-run.ngc", changed);
+        assert!(found.iter().any(|finding| finding.is_error() && finding.code == code), "{code:?} {found:?}");
+    }
+    // And the dry run is no program that cuts.
+    let found = checked(&job(EXAMPLE), "roll.ngc", text.clone());
+    assert!(found.iter().any(|finding| finding.code == Code::Uncut), "{found:?}");
+}
+
+#[test]
+fn both_options_together_and_the_same_bytes_again() {
+    let options = || json!({"dry_run": true, "from_course": 1});
+    let (one, other) = (planned(EXAMPLE, &lab(), options()), planned(EXAMPLE, &lab(), options()));
+    assert_eq!(one.programs[0].name, "roll-from-course-1-dry-run.ngc");
+    assert_eq!(one.report, other.report);
+    assert_eq!((one.programs, one.drawings), (other.programs, other.drawings));
+    assert_eq!(one.attachments, other.attachments);
+}
+
+#[test]
+fn carriages_that_would_share_a_beam_are_refused() {
+    assert_eq!(
+        refused(&lab_with(&[("/carriage_clearance_mm", json!(301))])),
+        [(Code::NotSupported, "/input/machine/carriage_clearance_mm".to_owned())]
+    );
+    let apart = lab_with(&[("/carriage_clearance_mm", json!(300))]);
+    assert_eq!(planned("examples/first.job.json", &apart, json!(null)).verdict, Verdict::Usable);
+}
