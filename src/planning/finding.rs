@@ -101,6 +101,10 @@ codes! {
     TooManyKnives,
     /// A pair of cuts that the published rule cannot allocate; the general rule was used.
     GeneralRule,
+    /// Two neighbouring pieces have one cut between them (planned so because it was asked for).
+    SharedCut,
+    /// The spool holds less tape than the roll needs.
+    TapeTooShort,
     /// The tape or an axis does not reach far enough.
     AxisLimit,
     /// The step limit of a job is used up.

@@ -28,6 +28,7 @@ mod oracles;
 mod random_plies;
 mod refused;
 mod restart;
+mod roll;
 mod rounds;
 mod section;
 mod served;

@@ -100,12 +100,28 @@ impl Ply {
             .collect()
     }
 
-    /// Plans its job.
-    pub fn plan(&self) -> Outcome {
-        let job = json!({"kind": "tape-cut", "input": {
+    /// Width of its tape in mm.
+    pub fn width(&self) -> f64 {
+        self.width
+    }
+
+    /// Its job.
+    pub fn job(&self) -> Value {
+        json!({"kind": "tape-cut", "input": {
             "tape": {"width_mm": self.width, "thickness_mm": 0.125},
             "boundary": {"points": self.outline()}, "holes": self.holes(), "tracks": self.tracks(),
-            "machine": "two-cutter-lab"}});
+            "machine": "two-cutter-lab"}})
+    }
+
+    /// Plans its job.
+    pub fn plan(&self) -> Outcome {
+        self.plan_with(json!({}))
+    }
+
+    /// Plans its job with these options.
+    pub fn plan_with(&self, options: Value) -> Outcome {
+        let mut job = self.job();
+        job["input"]["options"] = options;
         let document = document::from_value(job).unwrap();
         plan(&document, &Files::default(), &Catalogue::built_in(), &Budget::unwatched()).unwrap()
     }
@@ -116,8 +132,9 @@ fn every_planned_ply_passes_its_replay() {
     let mut usable = 0;
     let count = rounds(150);
     let mut runner = proptest::test_runner::TestRunner::new(ProptestConfig::with_cases(count));
-    let result = runner.run(&plies(), |ply| {
-        let outcome = ply.plan();
+    let rolls = (plies(), prop::sample::select(vec!["by_slope", "free"]), any::<bool>());
+    let result = runner.run(&rolls, |(ply, allocation, share_cuts)| {
+        let outcome = ply.plan_with(json!({"allocation": allocation, "share_cuts": share_cuts}));
         let errors: Vec<_> = outcome.findings.iter().filter(|finding| finding.is_error()).collect();
         prop_assert!(errors.iter().all(|finding| finding.code == Code::TooManyKnives), "{:?}", errors);
         prop_assert_eq!(errors.is_empty(), outcome.verdict == Verdict::Usable);

@@ -8,7 +8,7 @@ use crate::planning::geometry::{Point3, Vector3};
 use crate::planning::tolerance::{SAME_POINT_MM, UNIT_NORMAL, ZERO_NORMAL};
 use crate::planning::units::Length;
 
-pub use super::wire::RollOrder;
+pub use super::wire::{Allocation, RollOrder};
 
 /// What the planner works on.
 #[derive(Debug, Clone)]
@@ -25,8 +25,16 @@ pub struct TapeInput {
     pub machine: Machine,
     /// How the pieces are wound on the cassette.
     pub roll_order: RollOrder,
+    /// How cuts are given to knives.
+    pub allocation: Allocation,
     /// Scrap between pieces along U.
     pub scrap_gap: Length,
+    /// Whether congruent neighbours may share one cut.
+    pub share_cuts: bool,
+    /// Stretches of the tape that are kept free of pieces, from its leading end in mm: sorted, none touches another.
+    pub zones_mm: Vec<(f64, f64)>,
+    /// How much tape there is, where that is known.
+    pub tape_length: Option<Length>,
     /// Chord tolerance.
     pub tolerance: Length,
     /// What was accepted and should be known.
@@ -56,6 +64,7 @@ pub fn check(input: &wire::TapeCut, catalogue: &Catalogue) -> Result<TapeInput, 
     let machine =
         resolve(&input.machine, catalogue, "/input/machine").map_err(|faults| findings.extend(faults)).ok();
     let courses = check_courses(input, &mut findings);
+    let zones_mm = check_zones(&input.tape.zones_mm, &mut findings);
     let (boundary, holes) = outline::check(&input.boundary, &input.holes, &mut findings);
     let Some(machine) = machine.filter(|_| !any_error(&findings)) else {
         findings.retain(Finding::is_error);
@@ -68,6 +77,10 @@ pub fn check(input: &wire::TapeCut, catalogue: &Catalogue) -> Result<TapeInput, 
         courses,
         machine,
         roll_order: input.options.roll_order,
+        allocation: input.options.allocation,
+        share_cuts: input.options.share_cuts,
+        zones_mm,
+        tape_length: input.tape.length_mm.map(Length::from_mm),
         scrap_gap: Length::from_mm(input.options.scrap_gap_mm),
         tolerance: Length::from_mm(input.options.tolerance_mm),
         findings,
@@ -84,15 +97,29 @@ fn unsupported(input: &wire::TapeCut) -> Vec<Finding> {
             "/input/options/on_excess",
             "simplify is not supported yet; use reject",
         ),
-        (
-            options.allocation == wire::Allocation::Free,
-            "/input/options/allocation",
-            "free is not supported yet; use by_slope",
-        ),
-        (options.share_cuts, "/input/options/share_cuts", "shared cuts are not supported yet; use false"),
     ];
     let refused = cases.into_iter().filter(|(refused, ..)| *refused);
     refused.map(|(_, at, message)| Finding::error(Code::NotSupported, at, message)).collect()
+}
+
+/// Zones in order. Those that overlap or touch are one.
+fn check_zones(zones: &[[f64; 2]], findings: &mut Vec<Finding>) -> Vec<(f64, f64)> {
+    for (index, [from, to]) in zones.iter().enumerate() {
+        if *from < 0.0 || from >= to {
+            let message = format!("a zone runs from 0 or more to more than that, not from {from} to {to} mm");
+            findings.push(Finding::error(Code::OutOfRange, format!("/input/tape/zones_mm/{index}"), message));
+        }
+    }
+    let mut sorted: Vec<(f64, f64)> = zones.iter().map(|[from, to]| (*from, *to)).collect();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mut apart: Vec<(f64, f64)> = Vec::new();
+    for zone in sorted {
+        match apart.last_mut() {
+            Some(last) if zone.0 <= last.1 => last.1 = last.1.max(zone.1),
+            _ => apart.push(zone),
+        }
+    }
+    apart
 }
 
 fn check_courses(input: &wire::TapeCut, findings: &mut Vec<Finding>) -> Vec<Course> {

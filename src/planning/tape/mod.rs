@@ -1,10 +1,12 @@
 //! Two-cutter cutting of prepreg tape (domain: two-step automated tape laying).
 //!
 //! In the order in which a job passes through: `wire` (as it stands in JSON) -> `file` (what stands in files) ->
-//! `input`, `outline` and `machine` (checked) -> `develop` -> `piece` -> `chain` -> `roll` (with `front`) ->
-//! `assign` -> `stroke` -> `timeline`. `plan` puts the geometric steps together, `report` writes the figures.
+//! `input`, `outline` and `machine` (checked) -> `develop` -> `piece` -> `chain` -> `assign` (the knives of a piece by
+//! itself) -> `roll` (`block` and `front`: what matters there of a piece; `place`: where it goes; `pace`: which knives are
+//! quickest) -> `stroke` -> `timeline`. `plan` puts the geometric steps together, `report` writes the figures.
 
 pub mod assign;
+pub mod block;
 pub mod chain;
 pub mod curve;
 pub mod develop;
@@ -13,7 +15,9 @@ pub mod front;
 pub mod input;
 pub mod machine;
 pub mod outline;
+pub mod pace;
 pub mod piece;
+pub mod place;
 pub mod plan;
 pub mod report;
 pub mod roll;
@@ -90,6 +94,10 @@ fn write(
     budget: &Budget<'_>,
 ) -> Result<Written, Vec<Finding>> {
     budget.stage("timeline");
+    let lacking = plan.lacking_tape(input);
+    if !lacking.is_empty() {
+        return Err(lacking);
+    }
     let strokes = plan.strokes(input);
     let bound_time_s = timeline::bound_s(&strokes, &input.machine);
     let program = timeline::merge(strokes, &input.machine)?;
