@@ -122,6 +122,10 @@ codes! {
     OutlineSimplified,
     /// Ends of cuts that do not go on as far as the overcut says.
     OvercutShortened,
+    /// Two neighbouring pieces have one cut between them (planned so because it was asked for).
+    SharedCut,
+    /// The spool holds less tape than the roll needs.
+    TapeTooShort,
     /// The tape or an axis does not reach far enough.
     AxisLimit,
     /// The step limit of a job is used up.

@@ -198,3 +198,7 @@ pub const OPTIMUM_GAP: f64 = 1e-8;
 /// A limit holds the optimum of the published model if it has at least this
 /// multiplier, d ln T / d ln limit. What the barrier leaves on the others is below 1e-10.
 pub const ACTIVE_MULTIPLIER: f64 = 1e-7;
+
+/// Two neighbouring outlines whose ends are nowhere farther apart than this share of the chord tolerance may share one
+/// cut. The cut is then made as one of them wants it; the other share is left for making it monotone and thinning it.
+pub const SHARED_CUT_SHARE: f64 = 0.5;

@@ -32,6 +32,7 @@ mod random_plies;
 mod refused;
 mod restart;
 mod robot_cells;
+mod roll;
 mod rounds;
 mod section;
 mod served;

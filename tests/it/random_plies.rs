@@ -11,7 +11,7 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use serde_json::{Value, json};
 
-use crate::rounds::rounds;
+use crate::rounds::{rounds, runner};
 
 /// A star-shaped ply with a round cut-out somewhere, at a fibre angle, on a plane of its own in space.
 #[derive(Debug, Clone)]
@@ -100,29 +100,52 @@ impl Ply {
             .collect()
     }
 
+    /// Width of its tape in mm.
+    pub fn width(&self) -> f64 {
+        self.width
+    }
+
+    /// Its job.
+    pub fn job(&self) -> Value {
+        json!({"kind": "tape-cut", "input": {
+            "tape": {"width_mm": self.width, "thickness_mm": 0.125},
+            "boundary": {"points": self.outline()}, "holes": self.holes(), "tracks": self.tracks(),
+            "machine": "two-cutter-lab"}})
+    }
+
     /// Plans its job.
     pub fn plan(&self) -> Outcome {
-        self.plan_on(&json!("two-cutter-lab"))
+        self.plan_with(json!({}))
     }
 
     /// Plans its job on a machine: a name, or a whole profile.
     pub fn plan_on(&self, machine: &Value) -> Outcome {
-        let job = json!({"kind": "tape-cut", "input": {
-            "tape": {"width_mm": self.width, "thickness_mm": 0.125},
-            "boundary": {"points": self.outline()}, "holes": self.holes(), "tracks": self.tracks(),
-            "machine": machine}});
-        let document = document::from_value(job).unwrap();
-        plan(&document, &Files::default(), &Catalogue::built_in(), &Budget::unwatched()).unwrap()
+        let mut job = self.job();
+        job["input"]["machine"] = machine.clone();
+        planned(&job)
     }
+
+    /// Plans its job with these options.
+    pub fn plan_with(&self, options: Value) -> Outcome {
+        let mut job = self.job();
+        job["input"]["options"] = options;
+        planned(&job)
+    }
+}
+
+fn planned(job: &Value) -> Outcome {
+    let document = document::read(job.to_string().as_bytes()).unwrap();
+    plan(&document, &Files::default(), &Catalogue::built_in(), &Budget::unwatched()).unwrap()
 }
 
 #[test]
 fn every_planned_ply_passes_its_replay() {
     let mut usable = 0;
     let count = rounds(150);
-    let mut runner = proptest::test_runner::TestRunner::new(ProptestConfig::with_cases(count));
-    let result = runner.run(&plies(), |ply| {
-        let outcome = ply.plan();
+    let mut runner = runner(150);
+    let rolls = (plies(), prop::sample::select(vec!["by_slope", "free"]), any::<bool>());
+    let result = runner.run(&rolls, |(ply, allocation, share_cuts)| {
+        let outcome = ply.plan_with(json!({"allocation": allocation, "share_cuts": share_cuts}));
         let errors: Vec<_> = outcome.findings.iter().filter(|finding| finding.is_error()).collect();
         prop_assert!(errors.iter().all(|finding| finding.code == Code::TooManyKnives), "{:?}", errors);
         prop_assert_eq!(errors.is_empty(), outcome.verdict == Verdict::Usable);

@@ -41,8 +41,10 @@ pub struct RollSheet<'a> {
     figures: RollFigures,
     pieces: Vec<PieceSketch>,
     marks: Vec<KnifeMark>,
-    /// Smallest and largest r of all pieces.
+    /// Smallest and largest r of all pieces, and of what of the tape lies before them.
     range: (f64, f64),
+    /// Defects and splices within that, smallest and largest r.
+    zones: Vec<(f64, f64)>,
     /// Scale denominator.
     scale: f64,
     /// r at the left end of the first row, a whole number of ticks.
@@ -62,6 +64,8 @@ impl<'a> RollSheet<'a> {
             (low + planned.offset_mm, high + planned.offset_mm)
         });
         let range = ranges.reduce(|one, other| (one.0.min(other.0), one.1.max(other.1))).unwrap_or_default();
+        let zones = zones(plan, input, range.0);
+        let range = (range.0, zones.iter().fold(range.1, |high, zone| high.max(zone.1)));
         let scale = scale_of(range.1 - range.0, input.width.mm());
         let tick = round_step(TICK_MM * scale);
         Self {
@@ -70,6 +74,7 @@ impl<'a> RollSheet<'a> {
             pieces: pieces(plan, input, scale),
             marks: knife_marks(plan, input),
             range,
+            zones,
             scale,
             first: (range.0 / tick).floor() * tick,
             row: (INNER_MM * scale / tick).floor() * tick,
@@ -83,6 +88,9 @@ impl<'a> RollSheet<'a> {
         let mut svg = Svg::default();
         let hatching = view.file_name("roll").replace(".svg", "-scrap");
         svg.hatching(&hatching);
+        if !self.zones.is_empty() {
+            svg.pattern(&zone_hatching(&hatching), "M0 0L2 2M0 2L2 0");
+        }
         let heading = self.heading();
         let y = draw_heading(&mut svg, &heading, view, self.input);
         let y = draw_legend(&mut svg, y, &self.legend(&hatching));
@@ -103,11 +111,12 @@ impl<'a> RollSheet<'a> {
             ),
             lines: vec![
                 format!(
-                    "Tape {} mm wide. Pieces {} m², scrap {} m²: {} % of the tape used is in pieces.",
+                    "Tape {} mm wide. Pieces {} m², scrap {} m²: {} % of the tape used is in pieces; {} % if all outlines touched.",
                     plain(self.input.width.mm()),
                     fixed(figures.piece_area_mm2 / 1e6, 4),
                     fixed(figures.scrap_area_mm2 / 1e6, 4),
-                    fixed(figures.utilisation * 100.0, 1)
+                    fixed(figures.utilisation * 100.0, 1),
+                    fixed(figures.bound_utilisation * 100.0, 1)
                 ),
                 format!(
                     "Machine {}. A cutter stands over r when the tape axis reads {} - r + its station ({} mm). The largest r passes the knives first.",
@@ -127,6 +136,9 @@ impl<'a> RollSheet<'a> {
         for (k, cutter) in cutters() {
             legend.push((Sample::Knife(k, true), format!("knife {} down", cutter.number)));
             legend.push((Sample::Knife(k, false), format!("up, {}·n = its n-th stroke", cutter.number)));
+        }
+        if !self.zones.is_empty() {
+            legend.push((Sample::Hatched(zone_hatching(hatching)), "defect or splice, kept free".to_owned()));
         }
         legend.extend([
             (Sample::Hatched(hatching.to_owned()), "scrap".to_owned()),
@@ -158,6 +170,11 @@ impl<'a> RollSheet<'a> {
         let half = self.input.width.mm() / self.scale / 2.0;
         let (left, width) = (window.left, window.width());
         svg.hatched_rect(hatching, spot(left.x, left.y - half), width, 2.0 * half);
+        for &(low, high) in self.zones.iter().filter(|zone| window.shows(**zone)) {
+            let x = window.x(low.max(window.along.0));
+            let right = window.x(high.min(window.along.1));
+            svg.hatched_rect(&zone_hatching(hatching), spot(x, left.y - half), right - x, 2.0 * half);
+        }
         let here: Vec<(usize, &PieceSketch)> =
             self.pieces.iter().enumerate().filter(|(_, piece)| window.shows(on_roll(piece))).collect();
         for (index, piece) in &here {
@@ -243,6 +260,20 @@ impl<'a> RollSheet<'a> {
             number_marks(svg, window, &here, half, labels);
         }
     }
+}
+
+fn zone_hatching(hatching: &str) -> String {
+    hatching.replace("-scrap", "-zone")
+}
+
+/// The defects and splices of the tape that the roll reaches, smallest and largest r. They are given from the leading
+/// end on.
+fn zones(plan: &TapePlan, input: &TapeInput, trailing_end: f64) -> Vec<(f64, f64)> {
+    let on_roll = input
+        .zones_mm
+        .iter()
+        .map(|(from, to)| ((plan.leading_end_mm - to).max(trailing_end), plan.leading_end_mm - from));
+    on_roll.filter(|(low, high)| low < high).collect()
 }
 
 /// With more marks than this in a row their numbers could not be read.

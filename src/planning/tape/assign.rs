@@ -90,10 +90,11 @@ fn begin((low, high): (f64, f64)) -> f64 {
     if high - low <= ONE_PLACE_MM { high + ONE_PLACE_MM } else { high }
 }
 
-/// Whether two chains cannot be made by one knife: their open intervals overlap. A chain square across is a
-/// place; a knife that is in the middle of another chain cannot leave it for that.
-fn collide(one: &RollChain, other: &RollChain) -> bool {
-    one.range.0 < other.range.1 - ONE_PLACE_MM && other.range.0 < one.range.1 - ONE_PLACE_MM
+/// Whether two chains, smallest and largest coordinate each, cannot be made by one knife: their open intervals overlap.
+/// A chain square across is a place; a knife that is in the middle of another chain cannot leave it for that.
+#[must_use]
+pub fn collide(one: (f64, f64), other: (f64, f64)) -> bool {
+    one.0 < other.1 - ONE_PLACE_MM && other.0 < one.1 - ONE_PLACE_MM
 }
 
 /// The stretches of the roll with too many chains side by side, one finding each.
@@ -145,7 +146,8 @@ fn events(chains: &[RollChain]) -> Vec<Event> {
 /// Cuts square across in the middle of as many chains as there are knives.
 fn crowded_squares(chains: &[RollChain], knives: usize) -> Vec<Finding> {
     let squares = chains.iter().filter(|chain| chain.range.1 - chain.range.0 <= ONE_PLACE_MM);
-    let beside = |square: &RollChain| chains.iter().filter(|other| collide(square, other)).count();
+    let beside =
+        |square: &RollChain| chains.iter().filter(|other| collide(square.range, other.range)).count();
     squares
         .filter(|square| beside(square) >= knives)
         .map(|square| too_many(square, square.range, beside(square) + 1, knives))
@@ -194,8 +196,8 @@ impl Search<'_> {
         let mut next: Vec<State> = Vec::new();
         for state in self.states.clone() {
             for knife in 0..self.knives {
-                let free =
-                    state.busy[knife].is_none_or(|other| !collide(&self.chains[other], &self.chains[index]));
+                let free = state.busy[knife]
+                    .is_none_or(|other| !collide(self.chains[other].range, self.chains[index].range));
                 if free {
                     let extended = self.extended(state, knife, index);
                     insert(&mut next, extended, |busy| self.still_busy(busy, index));
@@ -335,8 +337,9 @@ mod tests {
             .filter_map(|way| {
                 let knife = |index: usize| way / knives.pow(index as u32) % knives;
                 let pairs = (0..chains.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
-                let valid =
-                    pairs.into_iter().all(|(a, b)| knife(a) != knife(b) || !collide(&chains[a], &chains[b]));
+                let valid = pairs
+                    .into_iter()
+                    .all(|(a, b)| knife(a) != knife(b) || !collide(chains[a].range, chains[b].range));
                 valid.then(|| cost(chains, knife))
             })
             .min()

@@ -14,6 +14,8 @@ pub struct Front {
 struct Span {
     v: (f64, f64),
     u: (f64, f64),
+    /// Whether the piece is there, or the span lies beside it.
+    there: bool,
 }
 
 /// Which front of a piece.
@@ -27,8 +29,8 @@ pub enum End {
 
 /// The front of a piece on a tape of half width `half_mm`.
 ///
-/// Beside a piece that is narrower than the tape the front is the piece's smallest or largest u: scrap beside
-/// a piece is no scrap between neighbours.
+/// Beside a piece that is narrower than the tape the front is the piece's smallest or largest u, so that no other piece
+/// comes to lie side by side with it.
 #[must_use]
 pub fn front(piece: &Piece, end: End, half_mm: f64) -> Front {
     let (low, high) = piece.u_range();
@@ -47,7 +49,7 @@ pub fn front(piece: &Piece, end: End, half_mm: f64) -> Front {
         while let Some(edge) = waiting.next_if(|(a, _)| a.y <= v.0) {
             active.push(edge);
         }
-        outermost(&active, end, v).unwrap_or(Span { v, u: (beside, beside) })
+        outermost(&active, end, v).unwrap_or(Span { v, u: (beside, beside), there: false })
     });
     Front { spans: spans.collect() }
 }
@@ -73,29 +75,47 @@ fn outermost(active: &[(Point2, Point2)], end: End, v: (f64, f64)) -> Option<Spa
         End::Start => active.iter().min_by(compare),
         End::Finish => active.iter().max_by(compare),
     }?;
-    Some(Span { v, u: (at(edge, v.0), at(edge, v.1)) })
+    Some(Span { v, u: (at(edge, v.0), at(edge, v.1)), there: true })
+}
+
+impl Front {
+    /// The largest u of the front in mm.
+    #[must_use]
+    pub fn largest_u(&self) -> f64 {
+        self.spans.iter().flat_map(|span| [span.u.0, span.u.1]).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Whether the piece is there over the whole width of the tape.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.spans.iter().all(|span| span.there)
+    }
 }
 
 /// What lies between the finish of one piece and the start of the next, both in one coordinate along U.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Between {
-    /// Area in mm^2.
+    /// Area in mm^2, where both pieces are: what lies beside a narrow one is not between them.
     pub area_mm2: f64,
+    /// The width in mm over which both pieces are.
+    pub width_mm: f64,
     /// The smallest distance along U in mm: how far the next piece could move up.
     pub clearance_mm: f64,
+    /// The largest distance along U in mm.
+    pub largest_mm: f64,
 }
 
 /// Measures between two fronts; `finish_offset` and `start_offset` are added to their u.
 #[must_use]
 pub fn between(finish: &Front, finish_offset: f64, start: &Front, start_offset: f64) -> Between {
-    let mut measured = Between { area_mm2: 0.0, clearance_mm: f64::INFINITY };
+    let mut measured =
+        Between { area_mm2: 0.0, width_mm: 0.0, clearance_mm: f64::INFINITY, largest_mm: f64::NEG_INFINITY };
     let (mut one, mut other) = (finish.spans.iter().peekable(), start.spans.iter().peekable());
     while let (Some(a), Some(b)) = (one.peek(), other.peek()) {
         let v = (a.v.0.max(b.v.0), a.v.1.min(b.v.1));
         let gap = |v: f64| (b.at(v) + start_offset) - (a.at(v) + finish_offset);
         if v.1 > v.0 {
-            measured.area_mm2 += f64::midpoint(gap(v.0), gap(v.1)) * (v.1 - v.0);
-            measured.clearance_mm = measured.clearance_mm.min(gap(v.0)).min(gap(v.1));
+            measured.add(v.1 - v.0, gap(v.0), gap(v.1), a.there && b.there);
         }
         if a.v.1 <= b.v.1 {
             one.next();
@@ -104,6 +124,17 @@ pub fn between(finish: &Front, finish_offset: f64, start: &Front, start_offset: 
         }
     }
     measured
+}
+
+impl Between {
+    fn add(&mut self, width: f64, low: f64, high: f64, both: bool) {
+        if both {
+            self.area_mm2 += f64::midpoint(low, high) * width;
+            self.width_mm += width;
+        }
+        self.clearance_mm = self.clearance_mm.min(low).min(high);
+        self.largest_mm = self.largest_mm.max(low).max(high);
+    }
 }
 
 impl Span {
@@ -140,6 +171,6 @@ mod tests {
         let narrow = piece(&[(0.0, -10.0), (100.0, -10.0), (100.0, 10.0), (0.0, 10.0)]);
         let measured =
             between(&front(&narrow, End::Finish, 37.5), 0.0, &front(&narrow, End::Start, 37.5), 104.0);
-        assert_eq!((measured.clearance_mm, measured.area_mm2), (4.0, 300.0));
+        assert_eq!((measured.clearance_mm, measured.area_mm2, measured.width_mm), (4.0, 80.0, 20.0));
     }
 }

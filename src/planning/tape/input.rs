@@ -10,7 +10,7 @@ use crate::planning::geometry::{Point3, Vector3};
 use crate::planning::tolerance::{SAME_POINT_MM, UNIT_NORMAL, ZERO_NORMAL};
 use crate::planning::units::Length;
 
-pub use super::wire::{OnExcess, RollOrder};
+pub use super::wire::{Allocation, OnExcess, RollOrder};
 
 /// What the planner works on.
 #[derive(Debug, Clone)]
@@ -31,8 +31,16 @@ pub struct TapeInput {
     pub on_excess: OnExcess,
     /// How the pieces are wound on the cassette.
     pub roll_order: RollOrder,
+    /// How cuts are given to knives.
+    pub allocation: Allocation,
     /// Scrap between pieces along U.
     pub scrap_gap: Length,
+    /// Whether congruent neighbours may share one cut.
+    pub share_cuts: bool,
+    /// Stretches of the tape that are kept free of pieces, from its leading end in mm: sorted, none touches another.
+    pub zones_mm: Vec<(f64, f64)>,
+    /// How much tape there is, where that is known.
+    pub tape_length: Option<Length>,
     /// Chord tolerance.
     pub tolerance: Length,
     /// The course from which on the program goes, if not from the start.
@@ -64,10 +72,11 @@ pub struct Course {
 /// # Errors
 /// Every fault with its JSON pointer.
 pub fn check(input: &wire::TapeCut, catalogue: &Catalogue) -> Result<TapeInput, Vec<Finding>> {
-    let mut findings = unsupported(input);
+    let mut findings = Vec::new();
     let machine =
         resolve(&input.machine, catalogue, "/input/machine").map_err(|faults| findings.extend(faults)).ok();
     let mut courses = check_courses(input, &mut findings);
+    let zones_mm = check_zones(&input.tape.zones_mm, &mut findings);
     let (boundary, holes) = outline::check(&input.boundary, &input.holes, &mut findings);
     let mut origins = Origins::default();
     if let (None, Some(rule)) = (&input.tracks, &input.courses) {
@@ -87,6 +96,10 @@ pub fn check(input: &wire::TapeCut, catalogue: &Catalogue) -> Result<TapeInput, 
         machine,
         on_excess: input.options.on_excess,
         roll_order: input.options.roll_order,
+        allocation: input.options.allocation,
+        share_cuts: input.options.share_cuts,
+        zones_mm,
+        tape_length: input.tape.length_mm.map(Length::from_mm),
         scrap_gap: Length::from_mm(input.options.scrap_gap_mm),
         tolerance: Length::from_mm(input.options.tolerance_mm),
         from_course: input.options.from_course,
@@ -111,19 +124,24 @@ fn generated(
     courses.map_err(|fault| findings.push(fault)).unwrap_or_default()
 }
 
-/// What the contract names and the planner does not do yet is refused, not passed over.
-fn unsupported(input: &wire::TapeCut) -> Vec<Finding> {
-    let options = &input.options;
-    let cases = [
-        (
-            options.allocation == wire::Allocation::Free,
-            "/input/options/allocation",
-            "free is not supported yet; use by_slope",
-        ),
-        (options.share_cuts, "/input/options/share_cuts", "shared cuts are not supported yet; use false"),
-    ];
-    let refused = cases.into_iter().filter(|(refused, ..)| *refused);
-    refused.map(|(_, at, message)| Finding::error(Code::NotSupported, at, message)).collect()
+/// Zones in order. Those that overlap or touch are one.
+fn check_zones(zones: &[[f64; 2]], findings: &mut Vec<Finding>) -> Vec<(f64, f64)> {
+    for (index, [from, to]) in zones.iter().enumerate() {
+        if *from < 0.0 || from >= to {
+            let message = format!("a zone runs from 0 or more to more than that, not from {from} to {to} mm");
+            findings.push(Finding::error(Code::OutOfRange, format!("/input/tape/zones_mm/{index}"), message));
+        }
+    }
+    let mut sorted: Vec<(f64, f64)> = zones.iter().map(|[from, to]| (*from, *to)).collect();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mut apart: Vec<(f64, f64)> = Vec::new();
+    for zone in sorted {
+        match apart.last_mut() {
+            Some(last) if zone.0 <= last.1 => last.1 = last.1.max(zone.1),
+            _ => apart.push(zone),
+        }
+    }
+    apart
 }
 
 fn check_courses(input: &wire::TapeCut, findings: &mut Vec<Finding>) -> Vec<Course> {

@@ -1,10 +1,13 @@
 //! Two-cutter cutting of prepreg tape (domain: two-step automated tape laying).
 //!
 //! In the order in which a job passes through: `wire` (as it stands in JSON) -> `file` (what stands in files) ->
-//! `input`, `outline` and `machine` (checked), `courses` (generated) -> `develop` -> `piece` -> `chain` -> `roll` (with
-//! `front`) -> `assign` -> `stroke` -> `timeline`. `plan` puts the geometric steps together, `report` writes the figures.
+//! `input`, `outline` and `machine` (checked), `courses` (generated) -> `develop` -> `piece` -> `chain` -> `assign` (the
+//! knives of a piece by itself) -> `roll` (`block` and `front`: what matters there of a piece; `place`: where it goes;
+//! `pace`: which knives are quickest) -> `stroke` -> `timeline`. `plan` puts the geometric steps together, `report` writes
+//! the figures.
 
 pub mod assign;
+pub mod block;
 pub mod chain;
 pub mod courses;
 pub mod curve;
@@ -16,7 +19,9 @@ pub mod input;
 pub mod machine;
 pub mod outline;
 pub mod overcut;
+pub mod pace;
 pub mod piece;
+pub mod place;
 pub mod plan;
 pub mod report;
 pub mod restart;
@@ -131,6 +136,10 @@ fn write(
     budget: &Budget<'_>,
 ) -> Result<Written, Vec<Finding>> {
     budget.stage("timeline");
+    let lacking = plan.lacking_tape(input);
+    if !lacking.is_empty() {
+        return Err(lacking);
+    }
     let machine = &input.machine;
     let mut strokes = plan.strokes(input);
     let findings = overcut::extend(&mut strokes, plan, machine).into_iter().collect();

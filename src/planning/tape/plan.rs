@@ -1,12 +1,16 @@
 //! The plan of a ply: pieces, their chains, their places on the roll and their knives.
 
 use super::assign::{RollChain, assign, passing, published};
+use super::block::{Block, Rule, Way};
 use super::chain::{Chain, split};
 use super::develop::{PlyInSpace, develop};
-use super::input::{Course, OnExcess, TapeInput};
+use super::input::{Allocation, Course, OnExcess, TapeInput};
+use super::machine::Machine;
 use super::outline::{flat_area, report_sense};
+use super::pace::least_time;
 use super::piece::{Piece, within_strip};
-use super::roll::{Roll, RollFigures, place};
+use super::place::Tape;
+use super::roll::{Roll, RollFigures, lay};
 use super::stroke::{Stroke, strokes};
 use crate::planning::budget::Budget;
 use crate::planning::finding::{Code, Finding};
@@ -21,6 +25,8 @@ pub struct TapePlan {
     pub courses: Vec<PlannedCourse>,
     /// All pieces in increasing roll coordinate, as (course, piece) indices into `courses`.
     pub order: Vec<(usize, usize)>,
+    /// Roll coordinate of the leading end of the tape in mm.
+    pub leading_end_mm: f64,
     /// The figures of the roll.
     pub figures: RollFigures,
 }
@@ -41,12 +47,29 @@ pub struct PlannedCourse {
 pub struct PlannedPiece {
     /// The piece in the (u, v) of its course.
     pub piece: Piece,
+    /// Its smallest and largest u.
+    pub u: (f64, f64),
     /// r - u in mm.
     pub offset_mm: f64,
     /// Its chains, each with its cutter from 0.
     pub chains: Vec<(Chain, usize)>,
     /// How far its outline was changed on the scrap side, in mm, and the area that this leaves to be trimmed, in mm^2.
     pub simplified: Option<(f64, f64)>,
+    /// The cut of it that is made as a cut of its neighbour.
+    pub shared: Option<SharedCut>,
+}
+
+/// A cut that two neighbouring pieces have in common. A knife makes it once, as the neighbour's.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SharedCut {
+    /// Which cut of the piece it is.
+    pub cut: usize,
+    /// The neighbour as (course, piece) indices.
+    pub with: (usize, usize),
+    /// Which cut of the neighbour it is.
+    pub with_cut: usize,
+    /// How far, in mm, the two outlines are apart at most.
+    pub apart_mm: f64,
 }
 
 /// Plans a ply.
@@ -65,11 +88,12 @@ pub fn plan(
         return Err(vec![Finding::error(Code::NoCourseOnPly, "/input/tracks", message)]);
     }
     findings.extend(uncovered(&courses, input));
-    budget.stage("roll");
-    let roll = place_pieces(&mut courses, input);
     budget.stage("knives");
-    findings.extend(assign_knives(&mut courses, input.machine.cutters.len())?);
-    Ok(finished(courses, &roll, input))
+    findings.extend(assign_knives(&mut courses, input)?);
+    budget.stage("roll");
+    let planned = on_roll(courses, input)?;
+    findings.extend(planned.shared_cuts());
+    Ok(planned)
 }
 
 /// Says how much of a flat ply its courses leave bare. Courses that overlap hide a part of it.
@@ -151,59 +175,175 @@ fn chained(mut piece: Piece, input: &TapeInput) -> PlannedPiece {
             (chain, cutter)
         })
         .collect();
-    PlannedPiece { piece, offset_mm: 0.0, chains, simplified }
+    let u = piece.u_range();
+    PlannedPiece { piece, u, offset_mm: 0.0, chains, simplified, shared: None }
 }
 
-fn place_pieces(courses: &mut [PlannedCourse], input: &TapeInput) -> Roll {
-    let pieces: Vec<&Piece> = courses.iter().flat_map(|course| &course.pieces).map(|p| &p.piece).collect();
-    let roll = place(&pieces, input.roll_order, input.scrap_gap);
-    let planned = courses.iter_mut().flat_map(|course| &mut course.pieces);
-    for (piece, offset) in planned.zip(&roll.offsets_mm) {
-        piece.offset_mm = *offset;
-    }
-    roll
-}
-
-fn assign_knives(courses: &mut [PlannedCourse], knives: usize) -> Result<Vec<Finding>, Vec<Finding>> {
-    let mut on_roll = Vec::new();
-    for course in courses.iter() {
-        for piece in &course.pieces {
-            on_roll.extend(piece.chains.iter().map(|(chain, cutter)| {
-                let (low, high) = chain.u_range();
-                RollChain {
-                    course: course.number,
-                    course_index: course.index,
-                    range: (low + piece.offset_mm, high + piece.offset_mm),
-                    offset_mm: piece.offset_mm,
-                    published: *cutter,
-                    covered: published(chain).1,
+/// Gives the chains of each piece to knives as if it were alone on the roll.
+fn assign_knives(courses: &mut [PlannedCourse], input: &TapeInput) -> Result<Vec<Finding>, Vec<Finding>> {
+    let (mut faults, mut findings) = (Vec::new(), Vec::new());
+    for course in courses {
+        for piece in 0..course.pieces.len() {
+            let chains = roll_chains(course, &course.pieces[piece]);
+            match assign(&chains, input.machine.cutters.len()) {
+                Ok((given, found)) => {
+                    findings.extend(found);
+                    for ((_, cutter), given) in course.pieces[piece].chains.iter_mut().zip(given) {
+                        *cutter = given;
+                    }
                 }
-            }));
+                Err(found) => faults.extend(found),
+            }
         }
     }
-    let (given, findings) = assign(&on_roll, knives)?;
-    let chains = courses.iter_mut().flat_map(|course| &mut course.pieces).flat_map(|piece| &mut piece.chains);
-    for ((_, cutter), given) in chains.zip(given) {
-        *cutter = given;
+    if input.allocation == Allocation::Free {
+        // Whoever asks for any valid way is not told that it is another one than the published.
+        findings.clear();
     }
-    Ok(findings)
+    if faults.is_empty() { Ok(findings) } else { Err(faults) }
 }
 
-fn finished(courses: Vec<PlannedCourse>, roll: &Roll, input: &TapeInput) -> TapePlan {
-    let places: Vec<(usize, usize)> = courses
-        .iter()
-        .enumerate()
-        .flat_map(|(course, planned)| (0..planned.pieces.len()).map(move |piece| (course, piece)))
-        .collect();
-    let pieces: Vec<&Piece> = courses.iter().flat_map(|course| &course.pieces).map(|p| &p.piece).collect();
+/// The chains of a piece that knives make for it, on the roll.
+fn roll_chains(course: &PlannedCourse, piece: &PlannedPiece) -> Vec<RollChain> {
+    let on_roll = |(chain, cutter): &(Chain, usize)| {
+        let (low, high) = chain.u_range();
+        RollChain {
+            course: course.number,
+            course_index: course.index,
+            range: (low + piece.offset_mm, high + piece.offset_mm),
+            offset_mm: piece.offset_mm,
+            published: *cutter,
+            covered: published(chain).1,
+        }
+    };
+    piece.chains.iter().filter(|(chain, _)| !piece.shares(chain)).map(on_roll).collect()
+}
+
+fn on_roll(mut courses: Vec<PlannedCourse>, input: &TapeInput) -> Result<TapePlan, Vec<Finding>> {
+    let places = indices(&courses);
+    let knives = input.machine.cutters.len();
+    let rule = if input.allocation == Allocation::Free { Rule::Count } else { Rule::Given };
+    let half_mm = input.width.mm() / 2.0;
+    let pieces = courses.iter().flat_map(|course| &course.pieces);
+    let blocks: Vec<Block> = pieces.map(|p| Block::new(&p.piece, &p.chains, half_mm, knives, rule)).collect();
+    let tape = Tape {
+        gap_mm: input.scrap_gap.mm(),
+        zones: &input.zones_mm,
+        knives,
+        rule,
+        share_mm: input.share_cuts.then_some(input.tolerance.mm()),
+    };
+    let roll = lay(&blocks, input.roll_order, &tape);
+    take_places(&mut courses, &places, &blocks, &roll, knives);
+    if rule == Rule::Count {
+        give_for_least_time(&mut courses, &input.machine)?;
+    }
+    colour_shared(&mut courses);
+    let area_mm2 = courses.iter().flat_map(|course| &course.pieces).map(|p| p.piece.area_mm2).sum();
+    let of_courses: Vec<usize> = places.iter().map(|(course, _)| *course).collect();
+    let mut figures = roll.figures(&blocks, &of_courses, area_mm2, input.width.mm(), &tape);
     // The U axis reads 0 with the leading end of the tape under cutter 1.
     let first_station = input.machine.cutters[0].station.mm();
     // The first cut begins before its piece by as much as it overcuts.
-    let leading_end = roll.leading_end(&pieces) + input.machine.overcut().mm();
-    let lead_mm = rounded(leading_end - first_station, super::stroke::DECIMALS);
-    let figures = roll.figures(&pieces, input.width, lead_mm);
+    let leading_end_mm = roll.leading_end_mm + input.machine.overcut().mm();
+    figures.lead_mm = rounded(leading_end_mm - first_station, super::stroke::DECIMALS);
     let order = roll.order.iter().map(|&index| places[index]).collect();
-    TapePlan { courses, order, figures }
+    Ok(TapePlan { courses, order, leading_end_mm: roll.leading_end_mm, figures })
+}
+
+/// All pieces in laying order.
+fn indices(courses: &[PlannedCourse]) -> Vec<(usize, usize)> {
+    let of_course = |(course, planned): (usize, &PlannedCourse)| {
+        (0..planned.pieces.len()).map(move |piece| (course, piece))
+    };
+    courses.iter().enumerate().flat_map(of_course).collect()
+}
+
+/// Takes over what placing has made of each piece.
+fn take_places(
+    courses: &mut [PlannedCourse],
+    places: &[(usize, usize)],
+    blocks: &[Block],
+    roll: &Roll,
+    knives: usize,
+) {
+    for (index, &(course, piece)) in places.iter().enumerate() {
+        let planned = &mut courses[course].pieces[piece];
+        planned.offset_mm = roll.offsets_mm[index];
+        for ((_, cutter), way) in planned.chains.iter_mut().zip(&roll.places[index].ways) {
+            *cutter = if *way == Way::Straight { *cutter } else { way.of(*cutter, knives) };
+        }
+    }
+    // Whose finish is shared makes it as the start of the piece that is next in r.
+    for pair in roll.order.windows(2) {
+        let (one, with) = (places[pair[0]], places[pair[1]]);
+        let Some(apart_mm) = roll.places[pair[0]].shared_mm else { continue };
+        let cuts = blocks[pair[0]].lead_cut.zip(blocks[pair[1]].trail_cut);
+        let (cut, with_cut) = cuts.expect("only a cut that is the whole end of both is shared");
+        courses[one.0].pieces[one.1].shared = Some(SharedCut { cut, with, with_cut, apart_mm });
+        let keeper = &mut courses[with.0].pieces[with.1];
+        let made = keeper.chains.iter_mut().filter(|(chain, _)| chain.cut == with_cut);
+        // What the outlines are apart is not there for thinning.
+        made.for_each(|(chain, _)| chain.shift_mm += apart_mm);
+    }
+}
+
+/// Gives the chains of a roll to two knives so that it takes the least time.
+fn give_for_least_time(courses: &mut [PlannedCourse], machine: &Machine) -> Result<(), Vec<Finding>> {
+    let knives = machine.cutters.len();
+    let (mut chains, mut seconds) = (Vec::new(), Vec::new());
+    for course in courses.iter() {
+        for piece in &course.pieces {
+            chains.extend(roll_chains(course, piece));
+            let made = piece.chains.iter().filter(|(chain, _)| !piece.shares(chain));
+            seconds.extend(made.map(|(chain, _)| cutting_s(chain, machine)));
+        }
+    }
+    let (given, _) = assign(&chains, knives)?;
+    let given = match machine.cutters.as_slice() {
+        [one, other] => least_time(&chains, &seconds, given, other.station.mm() - one.station.mm()),
+        _ => given,
+    };
+    let mut given = given.into_iter();
+    for piece in courses.iter_mut().flat_map(|course| &mut course.pieces) {
+        let shared = piece.shared.map(|shared| shared.cut);
+        let made = piece.chains.iter_mut().filter(|(chain, _)| Some(chain.cut) != shared);
+        for ((_, cutter), given) in made.zip(given.by_ref()) {
+            *cutter = given;
+        }
+    }
+    Ok(())
+}
+
+/// The time in s that a knife needs for a chain at least.
+fn cutting_s(chain: &Chain, machine: &Machine) -> f64 {
+    let speed =
+        machine.cutters.iter().map(|cutter| cutter.cutting_speed.mm_s()).fold(f64::INFINITY, f64::min);
+    let path_speed = machine.max_cutting_path_speed.mm_s();
+    let steps = chain.points.windows(2).map(|pair| pair[1] - pair[0]);
+    steps.map(|step| (step.y.abs() / speed).max(step.norm() / path_speed)).sum()
+}
+
+/// A shared cut has the knives that make it: its chains lie in the neighbour's cut the other way round.
+fn colour_shared(courses: &mut [PlannedCourse]) {
+    for (course, piece) in indices(courses) {
+        let Some(shared) = courses[course].pieces[piece].shared else { continue };
+        let keeper = &courses[shared.with.0].pieces[shared.with.1];
+        let of_cut = keeper.chains.iter().rev().filter(|(chain, _)| chain.cut == shared.with_cut);
+        let cutters: Vec<usize> = of_cut.map(|(_, cutter)| *cutter).collect();
+        let chains = courses[course].pieces[piece].chains.iter_mut();
+        for ((_, cutter), made) in chains.filter(|(chain, _)| chain.cut == shared.cut).zip(cutters) {
+            *cutter = made;
+        }
+    }
+}
+
+impl PlannedPiece {
+    /// Whether a chain belongs to the cut that is made as the neighbour's.
+    #[must_use]
+    pub fn shares(&self, chain: &Chain) -> bool {
+        self.shared.is_some_and(|shared| shared.cut == chain.cut)
+    }
 }
 
 impl TapePlan {
@@ -215,24 +355,85 @@ impl TapePlan {
         })
     }
 
-    /// The strokes of each cutter in the order in which they pass it.
+    /// The strokes of each cutter in the order in which they pass it, whatever pieces they are of.
     #[must_use]
     pub fn strokes(&self, input: &TapeInput) -> Vec<Vec<Stroke>> {
         let thinning_mm = input.machine.feed.thinning_mm(input.tolerance.mm());
         let mut of_cutters: Vec<Vec<Stroke>> = vec![Vec::new(); input.machine.cutters.len()];
-        for (course, piece) in self.pieces().rev() {
-            let mut chains: Vec<&(Chain, usize)> = piece.chains.iter().collect();
-            chains.sort_by(|(one, _), (other, _)| passing(one.u_range(), other.u_range()));
-            for (chain, cutter) in chains {
-                let machine_cutter = &input.machine.cutters[*cutter];
-                let x_of_u0 = self.figures.lead_mm - piece.offset_mm + machine_cutter.station.mm();
-                let mut made = strokes(chain, course.number, machine_cutter, x_of_u0, thinning_mm);
-                let before = of_cutters[*cutter].last().and_then(|stroke| stroke.knots.last());
-                hold_back(&mut made, before.map_or(f64::NEG_INFINITY, |knot| knot.x));
-                of_cutters[*cutter].extend(made);
-            }
+        for (course, piece, (chain, cutter)) in self.passing_chains() {
+            let machine_cutter = &input.machine.cutters[*cutter];
+            let x_of_u0 = self.figures.lead_mm - piece.offset_mm + machine_cutter.station.mm();
+            let mut made = strokes(chain, course.number, machine_cutter, x_of_u0, thinning_mm);
+            let before = of_cutters[*cutter].last().and_then(|stroke| stroke.knots.last());
+            hold_back(&mut made, before.map_or(f64::NEG_INFINITY, |knot| knot.x));
+            of_cutters[*cutter].extend(made);
         }
         of_cutters
+    }
+
+    /// The chains that knives make, in the order in which they pass: neighbours share places of the roll.
+    fn passing_chains(&self) -> Vec<(&PlannedCourse, &PlannedPiece, &(Chain, usize))> {
+        let mut chains = Vec::new();
+        for (course, piece) in self.pieces().rev() {
+            let made = piece.chains.iter().filter(|(chain, _)| !piece.shares(chain));
+            chains.extend(made.map(|chain| (course, piece, chain)));
+        }
+        chains.sort_by(|(_, one, (a, _)), (_, other, (b, _))| {
+            let on_roll = |piece: &PlannedPiece, (low, high): (f64, f64)| {
+                (low + piece.offset_mm, high + piece.offset_mm)
+            };
+            passing(on_roll(one, a.u_range()), on_roll(other, b.u_range()))
+        });
+        chains
+    }
+
+    /// Which cuts two pieces have in common.
+    fn shared_cuts(&self) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        for (course, piece) in self.pieces() {
+            let Some(shared) = piece.shared else { continue };
+            let message = format!(
+                "the end of course {} and the start of course {} are one cut; the two are {:.4} mm apart at most",
+                course.number, self.courses[shared.with.0].number, shared.apart_mm
+            );
+            findings.push(Finding::info(Code::SharedCut, format!("/input/tracks/{}", course.index), message));
+        }
+        findings
+    }
+
+    /// What there is not tape enough for: on the spool, and in one program of the machine.
+    #[must_use]
+    pub fn lacking_tape(&self, input: &TapeInput) -> Vec<Finding> {
+        let stations = input.machine.cutters.iter().map(|cutter| cutter.station.mm());
+        let behind = stations.fold(f64::NEG_INFINITY, f64::max) - input.machine.cutters[0].station.mm();
+        let axis = input.machine.feed.max_length.mm();
+        let spool = input.tape_length.map(|length| {
+            let what = format!("the spool holds {} mm of tape", length.mm());
+            self.lacking(length.mm(), 0.0).map(|lack| {
+                Finding::error(Code::TapeTooShort, "/input/tape/length_mm", format!("{what}; {lack}"))
+            })
+        });
+        let program = self.lacking(axis, behind).map(|lack| {
+            let what = format!("the tape axis reads 0 to {axis} mm");
+            Finding::error(Code::AxisLimit, "/input/machine", format!("{what}; {lack}"))
+        });
+        spool.flatten().into_iter().chain(program).collect()
+    }
+
+    /// How much of so much tape is lacking, and for which course first; nothing if it is enough. `behind_mm` more must
+    /// pass for the last cutter.
+    fn lacking(&self, length_mm: f64, behind_mm: f64) -> Option<String> {
+        let lacking = self.figures.tape_used_mm + behind_mm - length_mm;
+        // Positions are rounded up to a step.
+        if lacking <= super::place::STEP_MM {
+            return None;
+        }
+        let needs = |piece: &PlannedPiece| self.leading_end_mm - (piece.u.0 + piece.offset_mm) + behind_mm;
+        let first = self.pieces().rev().find(|(_, piece)| needs(piece) > length_mm)?;
+        let course = first.0.number;
+        Some(format!(
+            "{lacking:.3} mm more are needed. The first course, in the order of cutting, that does not fit is {course}"
+        ))
     }
 
     /// The cuts that a program must make, in roll coordinates, as they were developed.

@@ -72,6 +72,8 @@ struct CutReport {
     cutter: usize,
     slope: Slope,
     turns: usize,
+    /// Whether it is made as the start of the next course in r, whose outline is the same there.
+    shared: bool,
     points_uv: Vec<[f64; 2]>,
 }
 
@@ -134,6 +136,7 @@ fn piece_report(piece: &PlannedPiece) -> PieceReport {
         cutter: cutter + 1,
         slope: chain.slope,
         turns: chain.turns,
+        shared: piece.shares(chain),
         points_uv: chain.points.iter().map(|point| [point.x, point.y]).collect(),
     });
     PieceReport { area_mm2: piece.piece.area_mm2, roll_offset_mm: piece.offset_mm, cuts: cuts.collect() }

@@ -23,6 +23,10 @@ pub const MOST_POINTS: usize = 5_000_000;
 pub const MOST_LOOPS: usize = 10_000;
 /// The largest number of a course.
 pub const LARGEST_NUMBER: u32 = 1_000_000;
+/// The longest tape in mm: 10 km.
+const LONGEST_TAPE_MM: f64 = 1e7;
+/// The most defects and splices of one tape.
+const MOST_ZONES: usize = 1_000;
 /// Far above the speed or acceleration of any machine, in mm/s, mm/s^2, deg/s or deg/s^2.
 const LARGEST_RATE: f64 = 1e6;
 /// Narrower than any tape that is slit, in mm; what is meant in metres or inches is found so.
@@ -60,13 +64,19 @@ pub struct TapeCut {
 }
 
 /// The tape.
-#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tape {
     /// Width in mm.
     pub width_mm: f64,
     /// Thickness in mm.
     pub thickness_mm: f64,
+    /// How much tape is left on the spool, in mm, where that is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length_mm: Option<f64>,
+    /// Defects and splices: from, to in mm of tape from its leading end as it comes off the spool.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub zones_mm: Vec<[f64; 2]>,
 }
 
 /// Closed loops of points in mm: one listed, or those of a file.
@@ -565,7 +575,7 @@ pub const TAPE_CUTTER: &[Field] = &[
             required("drive", Shape::Word(&["length", "unwind_angle", "takeup_angle"])),
             required("max_speed_mm_s", RATE),
             required("max_acceleration_mm_s2", RATE),
-            required("max_length_mm", Shape::Positive { max: 1e7 }),
+            required("max_length_mm", Shape::Positive { max: LONGEST_TAPE_MM }),
             optional("spool", spool::SPOOL),
             optional("error_mm", ERROR),
         ]),
@@ -593,6 +603,11 @@ pub const TAPE_CUT: &[Field] = &[
         Shape::Object(&[
             required("width_mm", Shape::Number { min: NARROWEST_MM, max: 2_000.0 }),
             required("thickness_mm", Shape::Positive { max: 10.0 }),
+            optional("length_mm", Shape::Positive { max: LONGEST_TAPE_MM }),
+            optional(
+                "zones_mm",
+                Shape::Array { item: &Shape::Pair { limit: LONGEST_TAPE_MM }, min: 0, max: MOST_ZONES },
+            ),
         ]),
     ),
     required("boundary", OUTLINE),
