@@ -11,7 +11,7 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use serde_json::{Value, json};
 
-use crate::rounds::{rounds, runner};
+use crate::rounds::runner;
 
 /// A star-shaped ply with a round cut-out somewhere, at a fibre angle, on a plane of its own in space.
 #[derive(Debug, Clone)]
@@ -141,11 +141,12 @@ fn planned(job: &Value) -> Outcome {
 #[test]
 fn every_planned_ply_passes_its_replay() {
     let mut usable = 0;
-    let count = rounds(150);
-    let mut runner = runner(150);
-    let rolls = (plies(), prop::sample::select(vec!["by_slope", "free"]), any::<bool>());
-    let result = runner.run(&rolls, |(ply, allocation, share_cuts)| {
-        let outcome = ply.plan_with(json!({"allocation": allocation, "share_cuts": share_cuts}));
+    let mut runner = runner(500);
+    let allocations = prop::sample::select(vec!["by_slope", "free"]);
+    let rolls = (plies(), allocations, prop::sample::select(vec!["reject", "simplify"]), any::<bool>());
+    let result = runner.run(&rolls, |(ply, allocation, on_excess, share_cuts)| {
+        let options = json!({"allocation": allocation, "on_excess": on_excess, "share_cuts": share_cuts});
+        let outcome = ply.plan_with(options);
         let errors: Vec<_> = outcome.findings.iter().filter(|finding| finding.is_error()).collect();
         prop_assert!(errors.iter().all(|finding| finding.code == Code::TooManyKnives), "{:?}", errors);
         prop_assert_eq!(errors.is_empty(), outcome.verdict == Verdict::Usable);

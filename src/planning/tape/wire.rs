@@ -3,15 +3,15 @@
 //! These types know names and types, not meaning: [`super::input`] and [`super::machine`] turn them once into
 //! what the planner works on. The shapes beside them name every limit of a single number.
 
-use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
-use serde::de::{MapAccess, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 use crate::planning::document::shape::{Field, Shape, optional, required};
 
+mod points;
 mod spool;
 mod words;
 
+pub use self::points::Points;
 pub use self::spool::Spool;
 pub use self::words::{KnifeWords, UltrasonicWords, Words};
 
@@ -106,62 +106,6 @@ pub struct Layers {
     pub cut_outs: Option<String>,
 }
 
-/// All points of a ply, taken out of its input: of the boundary, the cut-outs and the courses.
-#[derive(Debug)]
-pub struct Points {
-    outlines: Vec<Option<Vec<[f64; 3]>>>,
-    courses: Vec<Vec<TrackPoint>>,
-}
-
-impl TapeCut {
-    /// Whether all points are so many and so large as their shapes allow.
-    #[must_use]
-    pub fn points_fit(&self) -> bool {
-        let fits = |point: &[f64; 3]| point.iter().all(|x| x.abs() <= LARGEST_MM);
-        let outline = |outline: &Outline| {
-            outline
-                .points
-                .as_ref()
-                .is_none_or(|points| points.len() <= MOST_POINTS && points.iter().all(fits))
-        };
-        let course = |track: &Track| {
-            let within = track.points.iter().all(|point| fits(&point.position) && fits(&point.normal));
-            track.points.len() <= MOST_POINTS && within
-        };
-        std::iter::once(&self.boundary).chain(&self.holes).all(outline) && self.listed().iter().all(course)
-    }
-
-    fn listed(&self) -> &[Track] {
-        match &self.tracks {
-            Some(Tracks::Listed(tracks)) => tracks,
-            _ => &[],
-        }
-    }
-
-    /// Takes all points out and leaves empty lists in their place.
-    pub fn take_points(&mut self) -> Points {
-        let outlines = std::iter::once(&mut self.boundary).chain(&mut self.holes);
-        Points {
-            outlines: outlines.map(|outline| outline.points.as_mut().map(std::mem::take)).collect(),
-            courses: self.courses_mut().map(|track| std::mem::take(&mut track.points)).collect(),
-        }
-    }
-
-    /// Puts the points back that were taken out.
-    pub fn put_points(&mut self, points: Points) {
-        let outlines = std::iter::once(&mut self.boundary).chain(&mut self.holes);
-        outlines.zip(points.outlines).for_each(|(outline, points)| outline.points = points);
-        self.courses_mut().zip(points.courses).for_each(|(track, points)| track.points = points);
-    }
-
-    fn courses_mut(&mut self) -> impl Iterator<Item = &mut Track> {
-        match &mut self.tracks {
-            Some(Tracks::Listed(tracks)) => tracks.iter_mut(),
-            _ => [].iter_mut(),
-        }
-    }
-}
-
 /// Courses: listed, or in a file.
 #[derive(Debug, Clone, Serialize)]
 #[serde(untagged)]
@@ -173,37 +117,6 @@ pub enum Tracks {
         /// The name of an uploaded file or of one beside the job.
         file: String,
     },
-}
-
-impl<'de> Deserialize<'de> for Tracks {
-    /// An array is a list, an object names a file. (The derived way would keep a copy of all of it to try both.)
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct ListOrFile;
-
-        impl<'de> Visitor<'de> for ListOrFile {
-            type Value = Tracks;
-
-            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("an array of courses, or an object naming a file")
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Tracks, A::Error> {
-                Deserialize::deserialize(SeqAccessDeserializer::new(list)).map(Tracks::Listed)
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Tracks, A::Error> {
-                #[derive(Deserialize)]
-                #[serde(deny_unknown_fields)]
-                struct Named {
-                    file: String,
-                }
-                let Named { file } = Deserialize::deserialize(MapAccessDeserializer::new(map))?;
-                Ok(Tracks::File { file })
-            }
-        }
-
-        deserializer.deserialize_any(ListOrFile)
-    }
 }
 
 /// A rule that generates the courses of a flat ply.
