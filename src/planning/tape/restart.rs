@@ -36,6 +36,10 @@ pub fn from_course(
         return Err(not_here(whole, number));
     }
     let (start, before) = done(&whole.steps[..index], machine, lead_mm);
+    if before.is_empty() {
+        // What is left is all of it, from the all-zero pose on.
+        return Ok(Restart { program: whole.clone(), before });
+    }
     let into_place_s = machine.settled().s() + rest_to_rest_s(machine, &start);
     let later = |end: &f64| end - whole.ends_s[index] + into_place_s;
     let program = TapeProgram {
