@@ -1,7 +1,6 @@
 //! The fronts of a piece: where it begins and where it ends along U, as functions of v.
 
 use super::piece::{Piece, Side};
-use crate::planning::geometry::Point2;
 
 /// A front: u as a piecewise linear function of v over the width of the tape, with jumps where the outline has them.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,27 +34,23 @@ pub enum End {
 pub fn front(piece: &Piece, end: End, half_mm: f64) -> Front {
     let (low, high) = piece.u_range();
     let beside = if end == End::Start { low } else { high };
-    let mut edges = edges(piece);
-    edges.sort_by(|a, b| a.0.y.total_cmp(&b.0.y));
-    let mut levels: Vec<f64> =
-        edges.iter().flat_map(|(a, b)| [a.y, b.y]).chain([-half_mm, half_mm]).collect();
-    levels.sort_by(f64::total_cmp);
-    levels.dedup();
-    let mut active: Vec<(Point2, Point2)> = Vec::new();
-    let mut waiting = edges.into_iter().peekable();
-    let spans = levels.windows(2).map(|pair| {
-        let v = (pair[0], pair[1]);
-        active.retain(|(_, b)| b.y > v.0);
-        while let Some(edge) = waiting.next_if(|(a, _)| a.y <= v.0) {
-            active.push(edge);
+    let mut spans: Vec<Span> = Vec::new();
+    let mut from = -half_mm;
+    for span in envelope(&edges(piece), end) {
+        if span.v.0 > from {
+            spans.push(Span { v: (from, span.v.0), u: (beside, beside), there: false });
         }
-        outermost(&active, end, v).unwrap_or(Span { v, u: (beside, beside), there: false })
-    });
-    Front { spans: spans.collect() }
+        from = span.v.1;
+        spans.push(span);
+    }
+    if from < half_mm {
+        spans.push(Span { v: (from, half_mm), u: (beside, beside), there: false });
+    }
+    Front { spans }
 }
 
 /// The cut segments of the outline that are not lengthwise, lower v first.
-fn edges(piece: &Piece) -> Vec<(Point2, Point2)> {
+fn edges(piece: &Piece) -> Vec<Span> {
     let cuts = piece.sides.iter().filter_map(|side| match side {
         Side::Cut(points) => Some(points),
         Side::TapeEdge(..) => None,
@@ -63,19 +58,60 @@ fn edges(piece: &Piece) -> Vec<(Point2, Point2)> {
     cuts.flat_map(|points| points.windows(2))
         .filter(|pair| pair[0].y != pair[1].y)
         .map(|pair| if pair[0].y < pair[1].y { (pair[0], pair[1]) } else { (pair[1], pair[0]) })
+        .map(|(a, b)| Span { v: (a.y, b.y), u: (a.x, b.x), there: true })
         .collect()
 }
 
-fn outermost(active: &[(Point2, Point2)], end: End, v: (f64, f64)) -> Option<Span> {
-    let at = |(a, b): &(Point2, Point2), v: f64| a.x + (v - a.y) / (b.y - a.y) * (b.x - a.x);
-    let middle = f64::midpoint(v.0, v.1);
-    let compare =
-        |one: &&(Point2, Point2), other: &&(Point2, Point2)| at(one, middle).total_cmp(&at(other, middle));
-    let edge = match end {
-        End::Start => active.iter().min_by(compare),
-        End::Finish => active.iter().max_by(compare),
-    }?;
-    Some(Span { v, u: (at(edge, v.0), at(edge, v.1)), there: true })
+/// The outermost of some spans at each v, in increasing v: of either half of them, and of both together.
+///
+/// The time is that of sorting, also where a lengthwise cut with noise in its coordinates has thousands of spans one
+/// beside the other.
+fn envelope(spans: &[Span], end: End) -> Vec<Span> {
+    match spans {
+        [] => Vec::new(),
+        [one] => vec![*one],
+        _ => {
+            let (first, last) = spans.split_at(spans.len() / 2);
+            together(&envelope(first, end), &envelope(last, end), end)
+        }
+    }
+}
+
+/// The outermost of two envelopes. Their spans do not cross, so one that is outermost in the middle of a stretch is so
+/// throughout.
+fn together(one: &[Span], other: &[Span], end: End) -> Vec<Span> {
+    let mut levels: Vec<f64> = one.iter().chain(other).flat_map(|span| [span.v.0, span.v.1]).collect();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    let mut outermost: Vec<Span> = Vec::new();
+    let mut last: Option<Span> = None;
+    let (mut i, mut j) = (0, 0);
+    for pair in levels.windows(2) {
+        let (v, middle) = ((pair[0], pair[1]), f64::midpoint(pair[0], pair[1]));
+        while one.get(i).is_some_and(|span| span.v.1 <= v.0) {
+            i += 1;
+        }
+        while other.get(j).is_some_and(|span| span.v.1 <= v.0) {
+            j += 1;
+        }
+        let here = |spans: &[Span], index: usize| spans.get(index).filter(|span| span.v.0 <= v.0).copied();
+        let chosen = match (here(one, i), here(other, j)) {
+            (Some(a), Some(b)) => {
+                Some(if (a.at(middle) < b.at(middle)) == (end == End::Start) { a } else { b })
+            }
+            (a, b) => a.or(b),
+        };
+        match (chosen, outermost.last_mut()) {
+            // The same span goes on.
+            (Some(span), Some(before)) if last == Some(span) => {
+                (before.v.1, before.u.1) = (v.1, span.at(v.1))
+            }
+            (Some(span), _) => outermost.push(Span { v, u: (span.at(v.0), span.at(v.1)), there: true }),
+            (None, _) => {}
+        }
+        last = chosen;
+    }
+    outermost
 }
 
 impl Front {
@@ -148,6 +184,8 @@ mod tests {
     use super::super::develop::DevelopedPly;
     use super::super::piece::within_strip;
     use super::*;
+    use crate::planning::geometry::Point2;
+    use proptest::prelude::*;
 
     fn piece(list: &[(f64, f64)]) -> Piece {
         let boundary: Vec<_> = list.iter().map(|&(u, v)| Some(Point2::new(u, v))).collect();
@@ -172,5 +210,38 @@ mod tests {
         let measured =
             between(&front(&narrow, End::Finish, 37.5), 0.0, &front(&narrow, End::Start, 37.5), 104.0);
         assert_eq!((measured.clearance_mm, measured.area_mm2, measured.width_mm), (4.0, 80.0, 20.0));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
+        /// Star-shaped outlines, which do not cross themselves, with noise along lengthwise sides.
+        #[test]
+        fn a_front_is_the_outermost_of_all_sides_at_every_v(
+            radii in prop::collection::vec(10.0..60.0_f64, 3..60), squash in 1e-9..1.0_f64
+        ) {
+            let count = radii.len() as f64;
+            let outline: Vec<(f64, f64)> = radii.iter().enumerate().map(|(i, radius)| {
+                let (sin, cos) = (std::f64::consts::TAU * i as f64 / count).sin_cos();
+                (radius * cos, squash * radius * sin)
+            }).collect();
+            let boundary: Vec<_> = outline.iter().map(|&(u, v)| Some(Point2::new(u, v))).collect();
+            let ply = DevelopedPly { boundary: boundary.into(), holes: vec![] };
+            let Some(piece) = within_strip(&ply, 75.0).unwrap().into_iter().next() else { return Ok(()) };
+            let sides = edges(&piece);
+            for end in [End::Start, End::Finish] {
+                let front = front(&piece, end, 37.5);
+                prop_assert!(front.spans.windows(2).all(|pair| pair[0].v.1 == pair[1].v.0));
+                prop_assert_eq!((front.spans[0].v.0, front.spans[front.spans.len() - 1].v.1), (-37.5, 37.5));
+                for span in front.spans.iter().filter(|span| span.there) {
+                    let v = f64::midpoint(span.v.0, span.v.1);
+                    let over = sides.iter().filter(|side| side.v.0 <= v && v <= side.v.1).map(|side| side.at(v));
+                    let most = match end {
+                        End::Start => over.fold(f64::INFINITY, f64::min),
+                        End::Finish => over.fold(f64::NEG_INFINITY, f64::max),
+                    };
+                    prop_assert!((span.at(v) - most).abs() <= 1e-6 * (1.0 + most.abs()), "{v}: {} {most}", span.at(v));
+                }
+            }
+        }
     }
 }
