@@ -137,7 +137,8 @@ mod tests {
         let reach = Reach { from: Point3::origin(), to: Point3::origin(), endless: false, radius_mm: 1.0 };
         assert!(Stretches::of(&[]).near(&[reach]).is_empty());
         let around = circle(3);
-        assert_eq!(Stretches::of(&around).near(&[Reach { radius_mm: 2000.0, ..reach }]), [0..3]);
+        let near = Stretches::of(&around).near(&[Reach { radius_mm: 2000.0, ..reach }]);
+        assert_eq!(near.iter().map(|range| (range.start, range.end)).collect::<Vec<_>>(), [(0, 3)]);
     }
 
     proptest! {

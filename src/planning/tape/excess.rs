@@ -55,8 +55,7 @@ pub fn simplified(cut: &[Point2], half_width_mm: f64, knives: usize) -> Option<S
     }
     // With v rising the ply lies at the smaller u; a cut with v falling is the same picture turned by half a turn.
     let turned = first.y > last.y;
-    let given: Vec<Point2> =
-        if turned { cut.iter().map(|p| -*p).map(Point2::from).collect() } else { cut.to_vec() };
+    let given: Vec<Point2> = if turned { cut.iter().map(|p| -*p).collect() } else { cut.to_vec() };
     let ply = silhouette(&given);
     let best = shapes(&ply, knives).into_iter().map(|shape| judged(&ply, &given, shape)).min_by(|a, b| {
         let equal = (a.max_deviation_mm - b.max_deviation_mm).abs() <= SAME_POINT_MM;

@@ -314,9 +314,9 @@ impl Derivatives {
     fn error(&self, at: &Iterate, missing: &[f64; LOADS], barrier: f64) -> f64 {
         let mut sum = self.gradient;
         let mut error = 0.0_f64;
-        for i in 0..LOADS {
+        for (i, missing) in missing.iter().enumerate() {
             sum += self.load_gradients[i] * at.multipliers[i];
-            error = error.max((at.multipliers[i] * at.slacks[i] - barrier).abs()).max(missing[i].abs());
+            error = error.max((at.multipliers[i] * at.slacks[i] - barrier).abs()).max(missing.abs());
         }
         error.max(sum.amax())
     }
