@@ -223,3 +223,28 @@ fn carriages_that_would_share_a_beam_are_refused() {
     let apart = lab_with(&[("/carriage_clearance_mm", json!(300))]);
     assert_eq!(planned("examples/first.job.json", &apart, json!(null)).verdict, Verdict::Usable);
 }
+
+/// An operator who zeroes the axes as for a whole roll would feed metres of a roll that is half cut.
+#[test]
+fn the_sheet_of_a_part_of_a_roll_and_of_a_dry_run_says_so_first() {
+    let sheet = |options| {
+        let outcome = planned(EXAMPLE, &lab(), options);
+        outcome.attachments.iter().find(|text| text.name == "setup.md").unwrap().text.clone()
+    };
+    let whole = sheet(json!(null));
+    assert!(!whole.contains("**") && whole.contains("## Zero positions at the start"));
+    let part = sheet(json!({"from_course": 5}));
+    assert!(
+        part.contains("**GOES ON WITHIN A ROLL, from course 5.**") && part.contains("Do not zero the axes")
+    );
+    assert!(
+        part.contains("| pieces cut by this program | 5 |") && part.contains("| first piece cut | course 5")
+    );
+    assert!(!part.contains("## Zero positions at the start"));
+    let fed = |sheet: &str| -> f64 {
+        let row = sheet.lines().find(|line| line.starts_with("| tape fed by this program")).unwrap();
+        row.split('|').nth(2).unwrap().trim().trim_end_matches(" mm").parse().unwrap()
+    };
+    assert!(fed(&part) < 0.3 * fed(&whole), "{} {}", fed(&part), fed(&whole));
+    assert!(sheet(json!({"dry_run": true})).contains("**DRY RUN: nothing is cut.**"));
+}

@@ -54,10 +54,12 @@ pub fn timeline(program: &TapeProgram, machine: &Machine) -> Drawing {
 const STROKES: [&str; 2] = ["curve stroke-1 fine", "curve stroke-2 fine"];
 
 fn lines(program: &TapeProgram) -> Vec<String> {
-    vec![format!(
+    let dry = program.dry.then(|| "DRY RUN: knives stay up, the generator stays off.".to_owned());
+    let whole = format!(
         "{} s from start to end, each move from rest to rest with the accelerations of the profile. Below, when each knife is down and the generator on.",
         figure(program.time_s, 1)
-    )]
+    );
+    dry.into_iter().chain([whole]).collect()
 }
 
 /// A program as curves over time.
@@ -85,6 +87,12 @@ impl Curves {
         let mut open: Vec<Option<f64>> = vec![None; cutters + 1];
         let (mut pose, mut now) = (Pose::default(), 0.0);
         curves.stand(now, &pose);
+        if program.start != pose {
+            // A program from a course on begins with its way into place, the generator already on.
+            (pose, now) = (program.start, program.ends_s.first().copied().unwrap_or(0.0));
+            curves.stand(now, &pose);
+            open[cutters] = (!program.dry).then_some(0.0);
+        }
         for (step, &end) in program.steps.iter().zip(&program.ends_s) {
             match *step {
                 Step::Move { to, .. } => {
@@ -92,6 +100,7 @@ impl Curves {
                     pose = to;
                     curves.stand(end, &pose);
                 }
+                Step::Knife { .. } | Step::Ultrasonic { .. } if program.dry => {}
                 Step::Knife { cutter, down } => curves.switch(&mut open, cutter, down, end),
                 Step::Ultrasonic { on } => curves.switch(&mut open, cutters, on, end),
                 Step::Course { number, .. } => {

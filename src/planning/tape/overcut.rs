@@ -229,9 +229,9 @@ impl Shortened {
         let Self { ends, short, worst_mm, course } = self;
         (*short > 0).then(|| {
             let message = format!(
-                "{short} of {ends} ends of strokes overcut less than they should, at worst by {worst_mm:.3} mm in                  course {course}: a piece lies there, the carriage ends, or the same knife has its next stroke"
+                "{short} of {ends} ends of strokes overcut less than they should, at worst by {worst_mm:.3} mm in course {course}: a piece lies there, the carriage ends, or the same knife has its next stroke"
             );
-            Finding::info(Code::OvercutShortened, "/input/machine", message)
+            Finding::warning(Code::OvercutShortened, "/input/machine", message)
         })
     }
 }

@@ -401,7 +401,8 @@ impl TapePlan {
         findings
     }
 
-    /// What there is not tape enough for: on the spool, and in one program of the machine.
+    /// What there is not tape enough for: on the spool, and in one program of the machine. The last cut may be the last
+    /// cutter's, and the tape must still be held then.
     #[must_use]
     pub fn lacking_tape(&self, input: &TapeInput) -> Vec<Finding> {
         let stations = input.machine.cutters.iter().map(|cutter| cutter.station.mm());
@@ -409,7 +410,7 @@ impl TapePlan {
         let axis = input.machine.feed.max_length.mm();
         let spool = input.tape_length.map(|length| {
             let what = format!("the spool holds {} mm of tape", length.mm());
-            self.lacking(length.mm(), 0.0).map(|lack| {
+            self.lacking(length.mm(), behind).map(|lack| {
                 Finding::error(Code::TapeTooShort, "/input/tape/length_mm", format!("{what}; {lack}"))
             })
         });

@@ -18,11 +18,48 @@ pub fn sheet(
     input_sha256: &str,
 ) -> Attachment {
     let mut text = String::from("# Set-up sheet\n\n");
+    text.push_str(&warnings(program, input));
     text.push_str(&program_part(program, file, &input.machine, input_sha256));
     text.push_str(&tape_part(plan, program, input));
-    text.push_str(&zero_part(&input.machine));
+    text.push_str(&zero_part(program, &input.machine));
     text.push_str(&manifest_part(plan));
     Attachment { name: "setup.md".to_owned(), text }
+}
+
+/// What must be known before all else: this program is not one that cuts a whole roll.
+fn warnings(program: &TapeProgram, input: &TapeInput) -> String {
+    let mut text = String::new();
+    if input.dry_run {
+        text.push_str(
+            "**DRY RUN: nothing is cut.** Knives stay up and the ultrasonic off, but the tape runs as for the real program. \
+             It is no cut unit: do not book it as one.\n\n",
+        );
+    }
+    if let Some(course) = input.from_course.filter(|_| program.start != Pose::default()) {
+        text.push_str(&format!(
+            "**GOES ON WITHIN A ROLL, from course {course}.** Only for the roll whose earlier courses this job's whole program has \
+             cut, and of which nothing from course {course} on is cut. Do not zero the axes: {} must read {} or less, as in \
+             the whole program; the program begins by running there slowly.\n\n",
+            input.machine.feed.axis,
+            reading(&input.machine, program.start.feed_mm)
+        ));
+    }
+    text
+}
+
+/// What the tape axis reads with so much tape fed.
+fn reading(machine: &Machine, feed_mm: f64) -> String {
+    match &machine.feed.spool {
+        Some(spool) => format!("{} degrees", fixed(spool.angle_deg(feed_mm), 1)),
+        None => format!("{} mm", mm(feed_mm)),
+    }
+}
+
+/// The pieces that a program cuts, in increasing roll coordinate.
+fn cut_here<'a>(plan: &'a TapePlan, input: &TapeInput) -> &'a [(usize, usize)] {
+    let last =
+        plan.order.iter().rposition(|&(course, _)| Some(plan.courses[course].number) == input.from_course);
+    &plan.order[..last.map_or(plan.order.len(), |last| last + 1)]
 }
 
 fn mm(value: f64) -> String {
@@ -59,12 +96,12 @@ fn tape_part(plan: &TapePlan, program: &TapeProgram, input: &TapeInput) -> Strin
             "tape",
             format!("{} mm wide, {} mm thick", fixed(input.width.mm(), 3), fixed(input.thickness.mm(), 4)),
         ),
-        ("tape fed by this program", format!("{} mm", mm(last))),
+        ("tape fed by this program", format!("{} mm", mm(last - program.start.feed_mm))),
         (
-            "tape used by the pieces and the scrap between them",
+            "tape used by all pieces of the roll and the scrap between them",
             format!("{} mm", mm(plan.figures.tape_used_mm)),
         ),
-        ("pieces", plan.order.len().to_string()),
+        ("pieces cut by this program", cut_here(plan, input).len().to_string()),
     ];
     let name = |place: Option<&(usize, usize)>| {
         place.map_or(String::new(), |&(course, piece)| {
@@ -72,8 +109,8 @@ fn tape_part(plan: &TapePlan, program: &TapeProgram, input: &TapeInput) -> Strin
         })
     };
     // The tape moves toward +U, so the largest roll coordinate passes the knives first.
-    rows.push(("first piece cut", name(plan.order.last())));
-    rows.push(("last piece cut", name(plan.order.first())));
+    rows.push(("first piece cut", name(cut_here(plan, input).last())));
+    rows.push(("last piece cut", name(cut_here(plan, input).first())));
     if let Some(spool) = &input.machine.feed.spool {
         let way = match spool.turning {
             Turning::Unwinding => "unwinds",
@@ -101,7 +138,7 @@ fn last_pose(program: &TapeProgram) -> Pose {
     moves.unwrap_or_default()
 }
 
-fn zero_part(machine: &Machine) -> String {
+fn zero_part(program: &TapeProgram, machine: &Machine) -> String {
     let unit = if machine.feed.spool.is_some() { "degrees of the spool" } else { "mm" };
     let mut rows = vec![(
         format!("{} ({unit})", machine.feed.axis),
@@ -122,7 +159,12 @@ fn zero_part(machine: &Machine) -> String {
     }
     rows.push(("ultrasonic".to_owned(), format!("off; {}", ultrasonic(machine))));
     let rows: Vec<(&str, String)> = rows.iter().map(|(what, is)| (what.as_str(), is.clone())).collect();
-    format!("## Zero positions at the start\n\n{}", table(&rows))
+    let title = if program.start == Pose::default() {
+        "Zero positions at the start"
+    } else {
+        "Where the axes read 0 (set before the whole program, not now)"
+    };
+    format!("## {title}\n\n{}", table(&rows))
 }
 
 fn switched(machine: &Machine, cutter: usize) -> String {
