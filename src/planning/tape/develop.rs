@@ -141,13 +141,12 @@ pub fn develop(
     let stretches = || ply.loops.iter().zip(&near);
     let flat =
         Flat::of(course, stretches().flat_map(|((points, _), near)| stretches_of(points, near)).flatten());
-    let curved = || Curved { curve: Curve::through(course, CONTINUED_WIDTHS * width_mm), width_mm };
     let mut loops: Vec<DevelopedLoop> = match flat {
         Some(flat) => {
             stretches().map(|((points, _), near)| taken(points, near, |p| flat.develop(p))).collect()
         }
         None => {
-            let curved = curved();
+            let curved = Curved { curve: Curve::through(course, CONTINUED_WIDTHS * width_mm), width_mm };
             stretches().map(|((points, _), near)| taken(points, near, |p| curved.develop(p))).collect()
         }
     };

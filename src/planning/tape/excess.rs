@@ -8,9 +8,10 @@
 //!
 //! An outline that doubles back in v is covered by its silhouette first, which fills its pockets.
 
+use super::block::{Stretch, levels};
 use super::chain::split;
 use crate::planning::geometry::Point2;
-use crate::planning::tolerance::{ONE_PLACE_MM, SAME_POINT_MM};
+use crate::planning::tolerance::SAME_POINT_MM;
 
 /// A cut changed on its scrap side.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,25 +24,12 @@ pub struct Simplified {
     pub extra_area_mm2: f64,
 }
 
-/// How many chains of some cuts run side by side at the most, and over which u in mm. Chains that only meet share no
-/// u: the intervals are open, and overlaps below a program's last printed digit are none.
+/// How many chains of some cuts run side by side at the most. Cuts square across are places, and beside nothing.
 #[must_use]
-pub fn side_by_side<'a>(cuts: impl Iterator<Item = &'a [Point2]>, half_width_mm: f64) -> (usize, (f64, f64)) {
+pub fn side_by_side<'a>(cuts: impl Iterator<Item = &'a [Point2]>, half_width_mm: f64) -> usize {
     let chains = cuts.flat_map(|cut| split(0, cut, half_width_mm)).filter(|chain| !chain.is_square());
-    let mut ends: Vec<(f64, bool)> = Vec::new();
-    for (low, high) in chains.map(|chain| chain.u_range()).filter(|(low, high)| high - low > ONE_PLACE_MM) {
-        ends.extend([(low + 0.5 * ONE_PLACE_MM, true), (high - 0.5 * ONE_PLACE_MM, false)]);
-    }
-    // At one place chains end before others begin.
-    ends.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let (mut now, mut most, mut range) = (0_usize, 0, (0.0, 0.0));
-    for (index, (u, begins)) in ends.iter().enumerate() {
-        now = if *begins { now + 1 } else { now - 1 };
-        if now > most {
-            (most, range) = (now, (*u, ends.get(index + 1).map_or(*u, |next| next.0)));
-        }
-    }
-    (most, range)
+    let spans: Vec<Stretch> = chains.map(|chain| chain.u_range()).collect();
+    levels(&spans, spans.len()).iter().take_while(|level| !level.is_empty()).count()
 }
 
 /// The least change of a cut that `knives` knives can make, or `None` if the cut does not run from one edge of the tape
@@ -62,8 +50,7 @@ pub fn simplified(cut: &[Point2], half_width_mm: f64, knives: usize) -> Option<S
         let by_area = a.extra_area_mm2.total_cmp(&b.extra_area_mm2);
         if equal { by_area } else { a.max_deviation_mm.total_cmp(&b.max_deviation_mm) }
     })?;
-    let points =
-        if turned { best.points.iter().map(|p| Point2::from(-p.coords)).collect() } else { best.points };
+    let points = if turned { best.points.iter().map(|p| -*p).collect() } else { best.points };
     Some(Simplified { points, ..best })
 }
 
@@ -253,7 +240,7 @@ mod tests {
     }
 
     fn count(cut: &[Point2]) -> usize {
-        side_by_side(std::iter::once(cut), half(cut)).0
+        side_by_side(std::iter::once(cut), half(cut))
     }
 
     /// The least largest deviation of all outlines whose points lie at heights of the given ones.
@@ -279,7 +266,7 @@ mod tests {
         assert_eq!(simplified(&cuttable, half(&cuttable), 2).unwrap().max_deviation_mm, 0.0);
         // The start is raised from 340 to the end's 380 rather than the valley from 320 to 400.
         let excess = cut(&[340.0, 400.0, 320.0, 380.0]);
-        assert_eq!(side_by_side(std::iter::once(excess.as_slice()), 1.5).0, 3);
+        assert_eq!(side_by_side(std::iter::once(excess.as_slice()), 1.5), 3);
         let changed = simplified(&excess, 1.5, 2).unwrap();
         assert_eq!((changed.max_deviation_mm, count(&changed.points)), (40.0, 2));
     }

@@ -60,13 +60,13 @@ impl Piece {
     /// Changes the cuts that more than `knives` knives would be needed for, on their scrap side: returns the largest
     /// deviation in mm and the extra area in mm^2, or `None` if nothing was changed.
     pub fn simplify(&mut self, half_width_mm: f64, knives: usize) -> Option<(f64, f64)> {
-        if side_by_side(self.cuts(), half_width_mm).0 <= knives {
+        if side_by_side(self.cuts(), half_width_mm) <= knives {
             return None;
         }
         let mut change: Option<(f64, f64)> = None;
         for side in &mut self.sides {
             let Side::Cut(points) = side else { continue };
-            if side_by_side(std::iter::once(points.as_slice()), half_width_mm).0 <= knives {
+            if side_by_side(std::iter::once(points.as_slice()), half_width_mm) <= knives {
                 continue;
             }
             let Some(simple) = simplified(points, half_width_mm, knives) else { continue };

@@ -241,12 +241,12 @@ fn on_roll(mut courses: Vec<PlannedCourse>, input: &TapeInput) -> Result<TapePla
     colour_shared(&mut courses);
     let area_mm2 = courses.iter().flat_map(|course| &course.pieces).map(|p| p.piece.area_mm2).sum();
     let of_courses: Vec<usize> = places.iter().map(|(course, _)| *course).collect();
-    let mut figures = roll.figures(&blocks, &of_courses, area_mm2, input.width.mm(), &tape);
     // The U axis reads 0 with the leading end of the tape under cutter 1.
     let first_station = input.machine.cutters[0].station.mm();
     // The first cut begins before its piece by as much as it overcuts.
     let leading_end_mm = roll.leading_end_mm + input.machine.overcut().mm();
-    figures.lead_mm = rounded(leading_end_mm - first_station, super::stroke::DECIMALS);
+    let lead_mm = rounded(leading_end_mm - first_station, super::stroke::DECIMALS);
+    let figures = roll.figures(&blocks, &of_courses, area_mm2, input.width.mm(), lead_mm, &tape);
     let order = roll.order.iter().map(|&index| places[index]).collect();
     Ok(TapePlan { courses, order, leading_end_mm: roll.leading_end_mm, figures })
 }

@@ -89,6 +89,7 @@ impl Roll {
         courses: &[usize],
         piece_area_mm2: f64,
         width_mm: f64,
+        lead_mm: f64,
         tape: &Tape<'_>,
     ) -> RollFigures {
         let passing: Vec<&Block> = self.order.iter().rev().map(|&index| &blocks[index]).collect();
@@ -97,7 +98,7 @@ impl Roll {
         let bound_tape_mm = touching_tape(&passing);
         let share = |area: f64| if area > 0.0 { piece_area_mm2 / area } else { 0.0 };
         RollFigures {
-            lead_mm: 0.0,
+            lead_mm,
             tape_used_mm: self.length_mm,
             least_tape_mm: least_tape(&passing, tape),
             bound_tape_mm,

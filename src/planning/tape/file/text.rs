@@ -56,7 +56,8 @@ pub fn read_loops(name: &str, bytes: &[u8]) -> Result<Vec<ReadLoop>, Vec<Finding
     if loops.is_empty() {
         loops.push(ReadLoop { line: 1, ..ReadLoop::default() });
     }
-    refuse_too_many(&loops, &mut faults);
+    let sizes: Vec<_> = loops.iter().map(|read| (read.line, read.points.len())).collect();
+    refuse_too_many("loop", &sizes, &mut faults);
     if faults.is_empty() { Ok(loops) } else { Err(faults.into_findings()) }
 }
 
@@ -71,14 +72,16 @@ fn add_point(loops: &mut Vec<ReadLoop>, line: u32, point: [f64; 3]) {
     }
 }
 
-fn refuse_too_many(loops: &[ReadLoop], faults: &mut Faults<'_>) {
-    if let Some(extra) = loops.get(MOST_LOOPS) {
-        let message = format!("the file has {} loops; {MOST_LOOPS} are allowed", loops.len());
-        faults.push(Fault::new(Code::WrongCount, extra.line, message));
+/// Refuses more loops or courses than are allowed, and too many points of one. `sizes` has the line of each at which it
+/// begins and how many points it has.
+fn refuse_too_many(what: &str, sizes: &[(u32, usize)], faults: &mut Faults<'_>) {
+    if let Some((line, _)) = sizes.get(MOST_LOOPS) {
+        let message = format!("the file has {} {what}s; {MOST_LOOPS} are allowed", sizes.len());
+        faults.push(Fault::new(Code::WrongCount, *line, message));
     }
-    for long in loops.iter().filter(|read| read.points.len() > MOST_POINTS) {
-        let message = format!("the loop has {} points; {MOST_POINTS} are allowed", long.points.len());
-        faults.push(Fault::new(Code::WrongCount, long.line, message));
+    for (line, points) in sizes.iter().filter(|(_, points)| *points > MOST_POINTS) {
+        let message = format!("the {what} has {points} points; {MOST_POINTS} are allowed");
+        faults.push(Fault::new(Code::WrongCount, *line, message));
     }
 }
 
@@ -111,7 +114,8 @@ pub fn read_tracks(name: &str, bytes: &[u8]) -> Result<Vec<ReadTrack>, Vec<Findi
         let message = "the file has no course; each begins with a line such as \"track 1\"";
         faults.push(Fault::new(Code::WrongCount, 1, message));
     }
-    refuse_too_many_tracks(&tracks, &mut faults);
+    let sizes: Vec<_> = tracks.iter().map(|read| (read.line, read.lines.len())).collect();
+    refuse_too_many("course", &sizes, &mut faults);
     if faults.is_empty() { Ok(tracks) } else { Err(faults.into_findings()) }
 }
 
@@ -128,17 +132,6 @@ fn add_track_point(tracks: &mut [ReadTrack], line: u32, point: TrackPoint) {
     if let Some(last) = tracks.last_mut() {
         last.track.points.push(point);
         last.lines.push(line);
-    }
-}
-
-fn refuse_too_many_tracks(tracks: &[ReadTrack], faults: &mut Faults<'_>) {
-    if let Some(extra) = tracks.get(MOST_LOOPS) {
-        let message = format!("the file has {} courses; {MOST_LOOPS} are allowed", tracks.len());
-        faults.push(Fault::new(Code::WrongCount, extra.line, message));
-    }
-    for long in tracks.iter().filter(|read| read.lines.len() > MOST_POINTS) {
-        let message = format!("the course has {} points; {MOST_POINTS} are allowed", long.lines.len());
-        faults.push(Fault::new(Code::WrongCount, long.line, message));
     }
 }
 

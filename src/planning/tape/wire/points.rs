@@ -40,18 +40,23 @@ impl TapeCut {
 
     /// Takes all points out and leaves empty lists in their place.
     pub fn take_points(&mut self) -> Points {
-        let outlines = std::iter::once(&mut self.boundary).chain(&mut self.holes);
         Points {
-            outlines: outlines.map(|outline| outline.points.as_mut().map(std::mem::take)).collect(),
+            outlines: self
+                .outlines_mut()
+                .map(|outline| outline.points.as_mut().map(std::mem::take))
+                .collect(),
             courses: self.courses_mut().map(|track| std::mem::take(&mut track.points)).collect(),
         }
     }
 
     /// Puts the points back that were taken out.
     pub fn put_points(&mut self, points: Points) {
-        let outlines = std::iter::once(&mut self.boundary).chain(&mut self.holes);
-        outlines.zip(points.outlines).for_each(|(outline, points)| outline.points = points);
+        self.outlines_mut().zip(points.outlines).for_each(|(outline, points)| outline.points = points);
         self.courses_mut().zip(points.courses).for_each(|(track, points)| track.points = points);
+    }
+
+    fn outlines_mut(&mut self) -> impl Iterator<Item = &mut Outline> {
+        std::iter::once(&mut self.boundary).chain(&mut self.holes)
     }
 
     fn courses_mut(&mut self) -> impl Iterator<Item = &mut Track> {
