@@ -80,8 +80,12 @@ pub const BLADE_ALONG_CUT_DEG: f64 = 1.0;
 /// 75 mm leave 0.7 % uncovered; a course that was forgotten leaves more.
 pub const COVERED_SHARE: f64 = 0.985;
 
-/// The foot of a point on its course is found to this distance along the course, in mm: far below any other error.
-pub const FOOT_MM: f64 = 1e-9;
+/// The last step to the foot of a point on its course, in mm: along a mould of any radius that tape is laid on, what the
+/// first order of the course's frame leaves out over it is a nanometre, far below any other error.
+pub const LAST_STEP_MM: f64 = 1e-3;
+
+/// A tip's lowest allowed place is found to this, in mm: far below any other error.
+pub const TIP_SEARCH_MM: f64 = 1e-9;
 
 /// Two places of a robot program closer than this, in mm, are one place.
 ///

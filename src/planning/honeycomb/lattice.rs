@@ -3,7 +3,7 @@
 use super::lattice_kind::Lattice;
 use super::section::{Reach, Section, SectionFault, within};
 use crate::planning::geometry::Point2;
-use crate::planning::tolerance::{FOOT_MM, KERF_MM, SAME_POINT_MM};
+use crate::planning::tolerance::{KERF_MM, SAME_POINT_MM, TIP_SEARCH_MM};
 
 /// The parameters of a lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -113,7 +113,7 @@ fn free_columns(width: f64, step: f64, is_allowed: &impl Fn(f64) -> bool) -> Vec
 
 /// The last allowed place from an allowed one toward a blocked one.
 fn limit(mut allowed: f64, mut blocked: f64, is_allowed: &impl Fn(f64) -> bool) -> f64 {
-    while (allowed - blocked).abs() > FOOT_MM {
+    while (allowed - blocked).abs() > TIP_SEARCH_MM {
         let middle = f64::midpoint(allowed, blocked);
         if is_allowed(middle) { allowed = middle } else { blocked = middle }
     }

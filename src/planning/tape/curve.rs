@@ -7,8 +7,6 @@
 //! curvature and torsion that it ends with, and with their rate of change: on a cone of 20 degrees a helix
 //! alone would miss by 0.02 mm a tape width beyond the end.
 
-use nalgebra::SMatrix;
-
 use super::input::Course;
 use crate::planning::geometry::{Point3, Vector3};
 
@@ -104,17 +102,22 @@ impl Curve {
         self.length
     }
 
-    /// The frame and the bend at arc length `s`; beyond the continuations on a helix.
+    /// The frame and the bend at arc length `s`; beyond the continuations on a helix. `part` is where to look first, and
+    /// then where it was found: neighbouring places are in neighbouring parts.
     #[must_use]
-    pub fn at(&self, s: f64) -> (Station, Bend) {
+    pub fn at(&self, s: f64, part: &mut usize) -> (Station, Bend) {
         let last = self.nodes.len() - 1;
         for end in [&self.nodes[0], &self.nodes[last]] {
             if (s - end.station.s) * (end.station.s - self.length / 2.0) >= 0.0 {
                 return (helix(end, &end.bend, s), end.bend);
             }
         }
-        let after = self.nodes.partition_point(|node| node.station.s <= s).clamp(1, last);
-        between(&self.nodes[after - 1], &self.nodes[after], s)
+        let holds = |part: usize| self.nodes[part].station.s <= s && s < self.nodes[part + 1].station.s;
+        let near =
+            [*part, *part + 1, part.saturating_sub(1)].into_iter().find(|&part| part < last && holds(part));
+        let found = || self.nodes.partition_point(|node| node.station.s <= s).clamp(1, last) - 1;
+        *part = near.unwrap_or_else(found);
+        between(&self.nodes[*part], &self.nodes[*part + 1], s)
     }
 
     /// Arc length of the node nearest to a point, and its distance in mm.
@@ -167,45 +170,82 @@ fn cumulative_chords(points: &[Point3]) -> Vec<f64> {
     chords
 }
 
+/// Least squares with polynomials that are orthogonal on the window's own points (Forsythe 1957): each coefficient for
+/// itself, without a system of equations.
 fn fit(course: &Course, chords: &[f64], index: usize) -> Fit {
     let (first, last) = window(index, chords.len());
     let rows = last - first + 1;
-    let degree = DEGREE.min(rows - 1);
-    // Powers of a parameter within [-1, 1] keep the system well conditioned. A smaller window leaves rows over, in which
-    // each power that it cannot tell is the only thing there is, and so comes out as 0.
+    // A parameter within [-1, 1] keeps the numbers well conditioned.
     let scale = (chords[last] - chords[index]).max(chords[index] - chords[first]);
-    let powers = SMatrix::<f64, ROWS, COLUMNS>::from_fn(|row, power| match row < rows {
-        true if power <= degree => ((chords[first + row] - chords[index]) / scale).powi(power as i32),
-        false if power > degree && row - rows == power - degree - 1 => 1.0,
-        _ => 0.0,
-    });
-    let mut values = SMatrix::<f64, ROWS, 6>::from_fn(|row, column| match column {
-        _ if row >= rows => 0.0,
-        0..3 => course.points[first + row][column] - course.points[index][column],
-        _ => course.normals[first + row][column - 3],
-    });
-    let qr = powers.qr();
-    qr.q_tr_mul(&mut values);
-    let top = values.fixed_rows::<COLUMNS>(0).into_owned();
-    // Points of a course differ, so there always is one.
-    let coefficients = qr.r().solve_upper_triangular(&top).unwrap_or_else(SMatrix::zeros);
-    let row = |power: usize, column: usize| {
-        Vector3::new(
-            coefficients[(power, column)],
-            coefficients[(power, column + 1)],
-            coefficients[(power, column + 2)],
-        )
-    };
-    Fit {
-        rate: row(1, 0) / scale,
-        bending: row(2, 0) * 2.0 / (scale * scale),
-        normal_rate: row(1, 3) / scale,
+    let mut at = [0.0; ROWS];
+    for (row, at) in at.iter_mut().enumerate().take(rows) {
+        *at = (chords[first + row] - chords[index]) / scale;
+    }
+    let mut basis = Orthogonal::first(rows);
+    let mut fit = Fit { rate: Vector3::zeros(), bending: Vector3::zeros(), normal_rate: Vector3::zeros() };
+    for _ in 0..DEGREE.min(rows - 1) {
+        basis = basis.next(&at);
+        let (mut points, mut normals) = (Vector3::zeros(), Vector3::zeros());
+        for (row, value) in basis.values.iter().enumerate().take(rows) {
+            points += (course.points[first + row] - course.points[index]) * *value;
+            normals += course.normals[first + row] * *value;
+        }
+        fit.rate += points * (basis.slope / basis.squared);
+        fit.bending += points * (basis.bending / basis.squared);
+        fit.normal_rate += normals * (basis.slope / basis.squared);
+    }
+    fit.rate /= scale;
+    fit.bending /= scale * scale;
+    fit.normal_rate /= scale;
+    fit
+}
+
+/// One of a row of polynomials that are orthogonal on some points, with what the next one follows from.
+struct Orthogonal {
+    /// Its values at the points; 0 beyond them.
+    values: [f64; ROWS],
+    /// The sum of their squares.
+    squared: f64,
+    /// Value, first and second derivative at 0.
+    value: f64,
+    slope: f64,
+    bending: f64,
+    /// The one before, which is 0 for the first: values, the sum of their squares, and what it is at 0.
+    before: ([f64; ROWS], f64, [f64; 3]),
+}
+
+impl Orthogonal {
+    /// The constant 1, on so many points.
+    fn first(rows: usize) -> Self {
+        let mut values = [0.0; ROWS];
+        values[..rows].fill(1.0);
+        let before = ([0.0; ROWS], 1.0, [0.0; 3]);
+        Self { values, squared: rows as f64, value: 1.0, slope: 0.0, bending: 0.0, before }
+    }
+
+    /// p' = (x - a) p - b q, with a and b such that it is orthogonal to p and to q, the one before.
+    fn next(&self, at: &[f64; ROWS]) -> Self {
+        let along: f64 = (0..ROWS).map(|row| at[row] * self.values[row] * self.values[row]).sum();
+        let a = along / self.squared;
+        let (older, older_squared, [value, slope, bending]) = &self.before;
+        let b = self.squared / older_squared;
+        let mut values = [0.0; ROWS];
+        for row in 0..ROWS {
+            values[row] = (at[row] - a) * self.values[row] - b * older[row];
+        }
+        Self {
+            values,
+            squared: values.iter().map(|value| value * value).sum(),
+            value: -a * self.value - b * value,
+            slope: self.value - a * self.slope - b * slope,
+            bending: 2.0 * self.slope - a * self.bending - b * bending,
+            before: (self.values, self.squared, [self.value, self.slope, self.bending]),
+        }
     }
 }
 
-/// The rows of a full window, and the powers from 0.
+/// The rows of a full window.
 const ROWS: usize = 2 * REACH + 1;
-const COLUMNS: usize = DEGREE + 1;
 
 /// The neighbours of a point, shifted inward at the ends so that a fit there has as many.
 fn window(index: usize, count: usize) -> (usize, usize) {
@@ -307,23 +347,20 @@ fn helix(node: &Node, bend: &Bend, s: f64) -> Station {
     Station { s, origin: origin + moved, u: turn * u, v: turn * v, n: turn * n }
 }
 
+/// Position and normal on the cubics through both with their rates there; the direction is that of the position's.
 fn between(before: &Node, after: &Node, s: f64) -> (Station, Bend) {
     let (one, other) = (&before.station, &after.station);
     let span = other.s - one.s;
     let t = (s - one.s) / span;
-    let cubic = |from: Vector3, start: Vector3, to: Vector3, end: Vector3| {
-        let (h1, h2) = (t * t * (3.0 - 2.0 * t), t * (1.0 - t) * (1.0 - t));
-        from + (to - from) * h1 + (start * h2 - end * (t * t * (1.0 - t))) * span
-    };
-    let rate = |from: Vector3, start: Vector3, to: Vector3, end: Vector3| {
-        (to - from) * (6.0 * t * (1.0 - t)) / span
-            + start * ((3.0 * t - 4.0) * t + 1.0)
-            + end * ((3.0 * t - 2.0) * t)
-    };
+    let (to, start, end) =
+        (t * t * (3.0 - 2.0 * t), t * (1.0 - t) * (1.0 - t) * span, t * t * (t - 1.0) * span);
     let run = other.origin - one.origin;
-    let origin = one.origin + cubic(Vector3::zeros(), one.u, run, other.u);
-    let u = rate(Vector3::zeros(), one.u, run, other.u).normalize();
-    let normal = cubic(one.n, before.normal_rate, other.n, after.normal_rate);
+    let origin = one.origin + run * to + one.u * start + other.u * end;
+    let u = run * (6.0 * t * (1.0 - t) / span)
+        + one.u * ((3.0 * t - 4.0) * t + 1.0)
+        + other.u * ((3.0 * t - 2.0) * t);
+    let u = u.normalize();
+    let normal = one.n + (other.n - one.n) * to + before.normal_rate * start + after.normal_rate * end;
     let n = (normal - u * normal.dot(&u)).normalize();
     let mix = |a: f64, b: f64| a + (b - a) * t;
     let bend = Bend {
@@ -332,4 +369,70 @@ fn between(before: &Node, after: &Node, s: f64) -> (Station, Bend) {
         torsion: mix(before.bend.torsion, after.bend.torsion),
     };
     (Station { s, origin, u, v: n.cross(&u), n }, bend)
+}
+
+impl Station {
+    /// The station a little further on, by the first order of the frame's turn.
+    #[must_use]
+    pub fn advanced(&self, bend: &Bend, along: f64) -> Self {
+        Self {
+            s: self.s + along,
+            origin: self.origin + self.u * along,
+            u: self.u + (self.n * bend.normal + self.v * bend.geodesic) * along,
+            v: self.v - (self.u * bend.geodesic + self.n * bend.torsion) * along,
+            n: self.n + (self.v * bend.torsion - self.u * bend.normal) * along,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+        /// A polynomial of the fit's own degree, at uneven places: its derivatives are known.
+        #[test]
+        fn a_fit_finds_the_derivatives_of_a_polynomial(
+            steps in prop::collection::vec(0.5..3.0_f64, 4..16), coefficients in prop::array::uniform4(-1.0..1.0_f64),
+            index in 0..16_usize
+        ) {
+            let mut at = vec![0.0];
+            for step in &steps {
+                at.push(at[at.len() - 1] + step);
+            }
+            let index = index % at.len();
+            let value = |x: f64| coefficients.iter().rev().fold(0.0, |sum, c| (sum + c) * (x - at[index]) / 10.0);
+            let course = Course {
+                number: 1,
+                index: 0,
+                points: at.iter().map(|&x| Point3::new(x, value(x), 0.0)).collect(),
+                normals: at.iter().map(|&x| Vector3::new(0.0, 2.0 * value(x), 1.0)).collect(),
+            };
+            let fit = fit(&course, &at, index);
+            let (first, second) = (coefficients[0] / 10.0, 2.0 * coefficients[1] / 100.0);
+            prop_assert!((fit.rate - Vector3::new(1.0, first, 0.0)).norm() < 1e-10, "{}", fit.rate);
+            prop_assert!((fit.bending - Vector3::new(0.0, second, 0.0)).norm() < 1e-10, "{}", fit.bending);
+            prop_assert!((fit.normal_rate - Vector3::new(0.0, 2.0 * first, 0.0)).norm() < 1e-10);
+        }
+    }
+
+    #[test]
+    fn what_the_frame_is_a_little_further_on_is_the_first_order_of_what_it_is_there() {
+        let onto = |t: f64| {
+            let (sin, cos) = (t / 2.0_f64.sqrt() / 900.0).sin_cos();
+            (Point3::new(900.0 * cos, 900.0 * sin, t / 2.0_f64.sqrt()), Vector3::new(cos, sin, 0.0))
+        };
+        let (points, normals) = (0..40).map(|i| onto(f64::from(i) * 20.0)).unzip();
+        let curve = Curve::through(&Course { number: 1, index: 0, points, normals }, 100.0);
+        let mut part = 0;
+        let (station, bend) = curve.at(333.0, &mut part);
+        let (advanced, there) = (station.advanced(&bend, 1e-3), curve.at(333.001, &mut part).0);
+        assert!((advanced.origin - there.origin).norm() < 2e-9);
+        assert!(
+            (advanced.u - there.u).norm() + (advanced.v - there.v).norm() + (advanced.n - there.n).norm()
+                < 1e-9
+        );
+    }
 }

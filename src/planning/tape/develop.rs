@@ -14,7 +14,7 @@ use super::machine::CutSide;
 use crate::planning::finding::{Code, Finding};
 use crate::planning::geometry::stretches::{Reach, Stretches};
 use crate::planning::geometry::{Point2, Point3, Vector3};
-use crate::planning::tolerance::{FLAT_MM, FOOT_MM, SQUARE_COSINE, STRAIGHT_MM};
+use crate::planning::tolerance::{FLAT_MM, LAST_STEP_MM, SQUARE_COSINE, STRAIGHT_MM};
 
 /// A point of an outline in (u, v) of a course, or `None` if it belongs to another part of the mould.
 pub type Developed = Option<Point2>;
@@ -262,9 +262,20 @@ impl Flat {
 /// What is known from the point before.
 struct Search {
     /// Its foot: neighbouring points have neighbouring feet.
-    guess: Option<f64>,
+    last: Option<(Point3, Foot)>,
+    /// The part of the course on which it lies.
+    part: usize,
     /// So far away in mm that the next points need not be looked at.
     clear_mm: f64,
+}
+
+/// The foot of a point on a course.
+#[derive(Debug, Clone, Copy)]
+struct Foot {
+    station: Station,
+    bend: Bend,
+    /// How fast the miss shrinks as the foot advances; above 0.
+    slope: f64,
 }
 
 /// A course on a curved mould.
@@ -275,58 +286,65 @@ struct Curved {
 
 impl Curved {
     fn develop(&self, points: &[Point3]) -> Vec<Developed> {
-        let mut search = Search { guess: None, clear_mm: 0.0 };
+        let mut search = Search { last: None, part: 0, clear_mm: 0.0 };
         let mut last = None;
         points
             .iter()
             .map(|point| {
-                search.clear_mm -= last.map_or(0.0, |last: &Point3| (point - last).norm());
+                if search.clear_mm > 0.0 {
+                    search.clear_mm -= last.map_or(0.0, |last: &Point3| (point - last).norm());
+                }
                 last = Some(point);
-                let found = self.search(point, &mut search);
-                found.map(|(station, bend)| place(&station, &bend, point))
+                let foot = self.search(point, &mut search)?;
+                Some(place(&foot.station, &foot.bend, point))
             })
             .collect()
     }
 
-    fn search(&self, point: &Point3, search: &mut Search) -> Option<(Station, Bend)> {
-        let near = search.guess.and_then(|s| self.foot(point, s));
+    fn search(&self, point: &Point3, search: &mut Search) -> Option<Foot> {
+        let near = search.last.and_then(|(last, foot)| {
+            // To the first order the foot goes on with the point.
+            let s = foot.station.s + (point - last).dot(&foot.station.u) / foot.slope;
+            self.foot(point, s, &mut search.part)
+        });
         let found = match near {
             Some(found) => Some(found),
             None if search.clear_mm > 0.0 => None,
             None => {
                 let (s, distance) = self.curve.nearest_node(point);
                 search.clear_mm = distance - (FAR_WIDTHS * self.width_mm + self.curve.longest_step());
-                if search.clear_mm > 0.0 { None } else { self.foot(point, s) }
+                if search.clear_mm > 0.0 { None } else { self.foot(point, s, &mut search.part) }
             }
         };
-        search.guess = found.as_ref().map(|(station, _)| station.s);
+        search.last = found.map(|foot| (*point, foot));
         found
     }
 
     /// The foot: where `(p - P) . U = 0`, if the point belongs to this part of the mould.
-    fn foot(&self, point: &Point3, start: f64) -> Option<(Station, Bend)> {
+    fn foot(&self, point: &Point3, start: f64, part: &mut usize) -> Option<Foot> {
         let beyond = CONTINUED_WIDTHS * self.width_mm;
         let mut s = start;
         for _ in 0..MOST_FOOT_STEPS {
-            let (station, bend) = self.curve.at(s);
+            if s < -beyond || s > self.curve.length() + beyond {
+                return None;
+            }
+            let (station, bend) = self.curve.at(s, part);
             let chord = point - station.origin;
             if chord.norm() > FAR_WIDTHS * self.width_mm {
                 return None;
-            }
-            let miss = chord.dot(&station.u);
-            if miss.abs() <= FOOT_MM {
-                let off_plane = chord.dot(&station.n).abs();
-                let belongs = off_plane <= OFF_PLANE_WIDTHS * self.width_mm;
-                return belongs.then_some((station, bend));
             }
             let slope = 1.0 - chord.dot(&(station.n * bend.normal + station.v * bend.geodesic));
             if slope <= 0.0 {
                 return None;
             }
-            s += miss / slope;
-            if s < -beyond || s > self.curve.length() + beyond {
-                return None;
+            let miss = chord.dot(&station.u);
+            if miss.abs() <= LAST_STEP_MM {
+                let station = station.advanced(&bend, miss / slope);
+                let off_plane = chord.dot(&station.n).abs();
+                let belongs = off_plane <= OFF_PLANE_WIDTHS * self.width_mm;
+                return belongs.then_some(Foot { station, bend, slope });
             }
+            s += miss / slope;
         }
         None
     }

@@ -1,6 +1,7 @@
 //! The fronts of a piece: where it begins and where it ends along U, as functions of v.
 
 use super::piece::{Piece, Side};
+use crate::planning::geometry::Point2;
 
 /// A front: u as a piecewise linear function of v over the width of the tape, with jumps where the outline has them.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +37,7 @@ pub fn front(piece: &Piece, end: End, half_mm: f64) -> Front {
     let beside = if end == End::Start { low } else { high };
     let mut spans: Vec<Span> = Vec::new();
     let mut from = -half_mm;
-    for span in envelope(&edges(piece), end) {
+    for span in envelope(&runs(piece), end) {
         if span.v.0 > from {
             spans.push(Span { v: (from, span.v.0), u: (beside, beside), there: false });
         }
@@ -49,29 +50,44 @@ pub fn front(piece: &Piece, end: End, half_mm: f64) -> Front {
     Front { spans }
 }
 
-/// The cut segments of the outline that are not lengthwise, lower v first.
-fn edges(piece: &Piece) -> Vec<Span> {
+/// The cut segments of the outline that are not lengthwise, lower v first, in runs: in each v only grows.
+fn runs(piece: &Piece) -> Vec<Vec<Span>> {
     let cuts = piece.sides.iter().filter_map(|side| match side {
         Side::Cut(points) => Some(points),
         Side::TapeEdge(..) => None,
     });
-    cuts.flat_map(|points| points.windows(2))
-        .filter(|pair| pair[0].y != pair[1].y)
-        .map(|pair| if pair[0].y < pair[1].y { (pair[0], pair[1]) } else { (pair[1], pair[0]) })
-        .map(|(a, b)| Span { v: (a.y, b.y), u: (a.x, b.x), there: true })
-        .collect()
+    cuts.flat_map(|points| {
+        let sides: Vec<_> = points.windows(2).filter(|pair| pair[0].y != pair[1].y).collect();
+        let up = |pair: &[Point2]| pair[0].y < pair[1].y;
+        let runs = sides.chunk_by(|one, other| up(one) == up(other));
+        runs.map(|run| {
+            let mut spans: Vec<Span> = run.iter().map(|pair| span(&pair[0], &pair[1])).collect();
+            if !up(run[0]) {
+                spans.reverse();
+            }
+            spans
+        })
+        .collect::<Vec<_>>()
+    })
+    .collect()
 }
 
-/// The outermost of some spans at each v, in increasing v: of either half of them, and of both together.
+fn span(a: &Point2, b: &Point2) -> Span {
+    let (a, b) = if a.y < b.y { (a, b) } else { (b, a) };
+    Span { v: (a.y, b.y), u: (a.x, b.x), there: true }
+}
+
+/// The outermost of some runs at each v, in increasing v: of either half of them, and of both together. One run is its
+/// own envelope: its spans do not overlap.
 ///
-/// The time is that of sorting, also where a lengthwise cut with noise in its coordinates has thousands of spans one
+/// The time is that of sorting, also where a lengthwise cut with noise in its coordinates has thousands of runs one
 /// beside the other.
-fn envelope(spans: &[Span], end: End) -> Vec<Span> {
-    match spans {
+fn envelope(runs: &[Vec<Span>], end: End) -> Vec<Span> {
+    match runs {
         [] => Vec::new(),
-        [one] => vec![*one],
+        [one] => one.clone(),
         _ => {
-            let (first, last) = spans.split_at(spans.len() / 2);
+            let (first, last) = runs.split_at(runs.len() / 2);
             together(&envelope(first, end), &envelope(last, end), end)
         }
     }
@@ -184,7 +200,6 @@ mod tests {
     use super::super::develop::DevelopedPly;
     use super::super::piece::within_strip;
     use super::*;
-    use crate::planning::geometry::Point2;
     use proptest::prelude::*;
 
     fn piece(list: &[(f64, f64)]) -> Piece {
@@ -227,7 +242,7 @@ mod tests {
             let boundary: Vec<_> = outline.iter().map(|&(u, v)| Some(Point2::new(u, v))).collect();
             let ply = DevelopedPly { boundary: boundary.into(), holes: vec![] };
             let Some(piece) = within_strip(&ply, 75.0).unwrap().into_iter().next() else { return Ok(()) };
-            let sides = edges(&piece);
+            let sides: Vec<Span> = runs(&piece).concat();
             for end in [End::Start, End::Finish] {
                 let front = front(&piece, end, 37.5);
                 prop_assert!(front.spans.windows(2).all(|pair| pair[0].v.1 == pair[1].v.0));

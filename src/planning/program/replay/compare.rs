@@ -3,7 +3,7 @@
 use super::ReplaySetup;
 use super::curves::Curves;
 use super::faults::Faults;
-use super::nearness::{GAP_MM, Probe, Segment, Span, distance, far_parts, is_near};
+use super::nearness::{GAP_MM, Probe, Segment, Span, distance, far_parts, is_near, to_segment};
 use super::strokes::Stroke;
 use super::{overcut, passes};
 use crate::planning::finding::Code;
@@ -68,12 +68,16 @@ struct Run {
 
 impl Side {
     fn of(probes: &Curves, others: &Curves, within_mm: f64) -> Self {
-        let mut measure = Measure { others, found: Vec::new(), near: Vec::new() };
+        let mut measure = Measure { others, found: Vec::new(), near: Vec::new(), beside: None };
         let mut side = Self { worst_mm: 0.0, worst: None, runs: Vec::new() };
         let mut open: Vec<(usize, Probe, Span)> = Vec::new();
         for (index, piece) in probes.pieces.iter().enumerate() {
-            let probe = Probe::along(piece.ends);
             let follows = index > 0 && piece.joined && probes.pieces[index - 1].curve == piece.curve;
+            if measure.runs_beside(piece.ends, side.worst_mm) {
+                side.close(&mut open, probes, &mut measure, within_mm);
+                continue;
+            }
+            let probe = Probe::along(piece.ends);
             let far = measure.far(&probe, piece.ends, within_mm);
             if far.is_empty() {
                 side.tighten(index, &probe, &measure, within_mm);
@@ -156,9 +160,32 @@ struct Measure<'a> {
     others: &'a Curves,
     found: Vec<u32>,
     near: Vec<Segment>,
+    /// The other piece that lies beside the end of the last probe, where it is known.
+    beside: Option<usize>,
 }
 
 impl Measure<'_> {
+    /// Whether all of a probe is seen at once to lie within a radius of the others: of one of them, or of several that
+    /// follow each other. Most probes do, and go on beside the other where the one before has ended.
+    ///
+    /// From a place near the probe's beginning to one near its end there is a way along the others that is nowhere farther
+    /// from the probe than the radius, so the nearest points of the probe to it pass along all of the probe in between.
+    fn runs_beside(&mut self, probe: Segment, radius: f64) -> bool {
+        let Some(first) = self.beside else { return false };
+        let pieces = &self.others.pieces;
+        if to_segment(probe[0], pieces[first].ends) > radius {
+            return false;
+        }
+        let joined = |index: usize| pieces[index].joined && pieces[index - 1].curve == pieces[index].curve;
+        let within = |index: &usize| to_segment(probe[1], pieces[*index].ends) <= radius;
+        let passes = |place: [f64; 2]| to_segment(place, probe) <= radius;
+        let onward = (first + 1..pieces.len()).take_while(|&i| joined(i) && passes(pieces[i].ends[0]));
+        let back = (1..=first).rev().take_while(|&i| joined(i) && passes(pieces[i].ends[0])).map(|i| i - 1);
+        let found = std::iter::once(first).chain(onward).find(&within).or_else(|| back.clone().find(&within));
+        self.beside = found.or(self.beside);
+        found.is_some()
+    }
+
     fn look(&mut self, ends: Segment, radius: f64) {
         self.others.near(ends, radius, &mut self.found);
         self.near.clear();
@@ -167,6 +194,9 @@ impl Measure<'_> {
 
     fn far(&mut self, probe: &Probe, ends: Segment, radius: f64) -> Vec<Span> {
         self.look(ends, radius);
+        let off = |place: &u32| to_segment(ends[1], self.others.pieces[*place as usize].ends);
+        let nearest = self.found.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        self.beside = nearest.map(|place| *place as usize);
         far_parts(probe, (0.0, probe.length), &self.near, radius)
     }
 }
@@ -270,4 +300,58 @@ fn place(from: [f64; 2], to: [f64; 2], length_mm: f64) -> String {
 
 fn off(run: &Run) -> String {
     run.off_mm.map_or(String::new(), |off_mm| format!("; a cut lies {off_mm:.4} mm off"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    proptest::proptest! {
+        /// A walk with noise and folds, and another one through some of its points: whatever is seen at once to be near
+        /// is near by the exact spans too.
+        #[test]
+        fn what_runs_beside_the_others_is_near_them(
+            steps in proptest::collection::vec([-1.0..3.0f64, -1.0..1.0f64], 5..60), every in 1..6_usize,
+            radius in 0.05..3.0f64, back in proptest::bool::ANY,
+        ) {
+            let mut walk = vec![[0.0, 0.0]];
+            for [r, v] in steps {
+                let [last_r, last_v] = walk[walk.len() - 1];
+                walk.push([last_r + r, last_v + v]);
+            }
+            let mut coarse: Vec<_> = walk.iter().copied().step_by(every).collect();
+            if back {
+                coarse.reverse();
+            }
+            for (probes, others) in [(&walk, &coarse), (&coarse, &walk)] {
+                let (probes, others) = [probes, others].map(|points| Curves::of(std::iter::once(points.as_slice()))).into();
+                let mut measure = Measure { others: &others, found: Vec::new(), near: Vec::new(), beside: None };
+                for piece in &probes.pieces {
+                    let probe = Probe::along(piece.ends);
+                    if measure.runs_beside(piece.ends, radius) {
+                        measure.look(piece.ends, radius + 1.0);
+                        let far = far_parts(&probe, (0.0, probe.length), &measure.near, radius + 1e-9);
+                        proptest::prop_assert!(far.is_empty(), "{:?} {far:?}", piece.ends);
+                    } else {
+                        measure.far(&probe, piece.ends, radius);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_thinned_line_is_followed_without_looking_for_what_is_near() {
+        let fine: Vec<_> = (0..=1000).map(|i| [f64::from(i) * 0.1, 0.004 * f64::from(i % 3)]).collect();
+        let coarse: Vec<_> = fine.iter().rev().copied().step_by(100).collect();
+        let (fine, coarse) =
+            (Curves::of([fine.as_slice()].into_iter()), Curves::of([coarse.as_slice()].into_iter()));
+        for (probes, others) in [(&fine, &coarse), (&coarse, &fine)] {
+            let mut measure = Measure { others, found: Vec::new(), near: Vec::new(), beside: None };
+            measure.far(&Probe::along(probes.pieces[0].ends), probes.pieces[0].ends, 0.01);
+            let seen =
+                probes.pieces[1..].iter().filter(|piece| measure.runs_beside(piece.ends, 0.01)).count();
+            assert_eq!(seen, probes.pieces.len() - 1);
+        }
+    }
 }

@@ -102,6 +102,15 @@ fn between(start: f64, slope: f64, (low, high): Span) -> Option<Span> {
     Some((one.min(other), one.max(other)))
 }
 
+/// The distance in mm of a point from a segment that has a length.
+pub(super) fn to_segment(point: [f64; 2], [a, b]: Segment) -> f64 {
+    let (way, to) = ([b[0] - a[0], b[1] - a[1]], [point[0] - a[0], point[1] - a[1]]);
+    let share = (to[0] * way[0] + to[1] * way[1]) / (way[0] * way[0] + way[1] * way[1]);
+    let share = share.clamp(0.0, 1.0);
+    let off = [to[0] - share * way[0], to[1] - share * way[1]];
+    (off[0] * off[0] + off[1] * off[1]).sqrt()
+}
+
 /// The parts of a probe's `part` that lie farther than a radius from all of some segments.
 pub(super) fn far_parts(probe: &Probe, part: Span, others: &[Segment], radius: f64) -> Vec<Span> {
     let mut near: Vec<Span> = others.iter().filter_map(|other| probe.near_segment(*other, radius)).collect();
@@ -184,16 +193,10 @@ mod tests {
             let near = probe.near_segment([c, d], radius);
             for step in 0..=100 {
                 let along = (probe.length * f64::from(step) / 100.0).min(probe.length);
-                let off = point_to_segment(probe.point(along), [c, d]) - radius;
+                let off = to_segment(probe.point(along), [c, d]) - radius;
                 let inside = near.is_some_and(|(from, to)| (from..=to).contains(&along));
                 proptest::prop_assert!(off.abs() < 1e-9 || inside == (off < 0.0), "{off} at {along}: {near:?}");
             }
         }
-    }
-
-    fn point_to_segment(p: [f64; 2], [c, d]: Segment) -> f64 {
-        let (wx, wy) = (d[0] - c[0], d[1] - c[1]);
-        let t = (((p[0] - c[0]) * wx + (p[1] - c[1]) * wy) / (wx * wx + wy * wy)).clamp(0.0, 1.0);
-        (p[0] - c[0] - t * wx).hypot(p[1] - c[1] - t * wy)
     }
 }

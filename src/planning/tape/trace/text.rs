@@ -9,7 +9,7 @@
 //! A line each. Blank lines and what follows `#` count nothing.
 
 use super::{DECIMALS, PLACE_DECIMALS, PlantedTrace, TraceCourse, TraceCut, TraceStroke};
-use crate::planning::program::number::fixed;
+use crate::planning::program::number::write_fixed;
 
 /// The first line.
 const HEADER: &str = "BLADEPLAN-TRACE 1";
@@ -21,7 +21,7 @@ pub fn write(trace: &PlantedTrace) -> String {
     for course in &trace.courses {
         text.push_str(&format!("COURSE {}\n", course.number));
         for point in &course.points {
-            text.push_str(&format!("P {}\n", numbers(point, PLACE_DECIMALS)));
+            write_line("P", point, PLACE_DECIMALS, &mut text);
         }
         for stroke in &course.strokes {
             write_stroke(stroke, &mut text);
@@ -32,17 +32,21 @@ pub fn write(trace: &PlantedTrace) -> String {
 }
 
 fn write_stroke(stroke: &TraceStroke, text: &mut String) {
-    let down = numbers(&stroke.down, DECIMALS);
-    text.push_str(&format!("DOWN {} {} {down}\n", stroke.piece, stroke.cutter));
+    let down = format!("DOWN {} {}", stroke.piece, stroke.cutter);
+    write_line(&down, &stroke.down, DECIMALS, text);
     for cut in &stroke.cuts {
-        let words = numbers(&[cut.to[0], cut.to[1], cut.blade_deg, cut.feed_mm_s], DECIMALS);
-        text.push_str(&format!("CUT {words}\n"));
+        write_line("CUT", &[cut.to[0], cut.to[1], cut.blade_deg, cut.feed_mm_s], DECIMALS, text);
     }
     text.push_str("UP\n");
 }
 
-fn numbers(values: &[f64], decimals: usize) -> String {
-    values.iter().map(|value| fixed(*value, decimals)).collect::<Vec<_>>().join(" ")
+fn write_line(word: &str, values: &[f64], decimals: usize, text: &mut String) {
+    text.push_str(word);
+    for value in values {
+        text.push(' ');
+        write_fixed(*value, decimals, text);
+    }
+    text.push('\n');
 }
 
 /// Reads a trace back.
