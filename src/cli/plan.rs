@@ -96,8 +96,8 @@ fn clear(folder: &Path) -> std::io::Result<()> {
 fn write(outcome: &Outcome, folder: &Path) -> std::io::Result<()> {
     std::fs::create_dir_all(folder)?;
     clear(folder)?;
-    let report = serde_json::to_string_pretty(&outcome.report)? + "\n";
-    let files = std::iter::once((REPORT, report.as_str()))
+    let report = outcome.report.text();
+    let files = std::iter::once((REPORT, report))
         .chain(outcome.programs.iter().map(|program| (program.name.as_str(), program.text.as_str())))
         .chain(outcome.drawings.iter().map(|drawing| (drawing.name.as_str(), drawing.svg.as_str())))
         .chain(outcome.attachments.iter().map(|text| (text.name.as_str(), text.text.as_str())));

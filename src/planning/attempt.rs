@@ -6,7 +6,7 @@ use super::document::files::Files;
 use super::document::{JobDocument, JobInput};
 use super::finding::Finding;
 use super::honeycomb;
-use super::outcome::{Outcome, ProgramFile, sha256_hex};
+use super::outcome::{Outcome, ProgramFile, Sha256Text};
 use super::tape;
 
 /// Checks what can be checked without planning: what makes a POST a 422 and the command line exit 2.
@@ -95,15 +95,17 @@ fn refuse_other_files(
 /// profile of a registered machine that it names, for that may change; not the name and the references of the job.
 /// The input is one line of JSON and a listing begins with a hash, so that no two of these texts mean the same.
 fn fingerprint(document: &JobDocument, files: &Files, catalogue: &Catalogue) -> String {
-    let mut text = serde_json::to_vec(&document.input).unwrap_or_default();
+    let mut text = Sha256Text::default();
+    serde_json::to_writer(&mut text, &document.input)
+        .expect("a document holds numbers, texts, lists and fields");
     if let Some(profile) = document.input.named_machine().and_then(|name| catalogue.registered(name)) {
-        text.extend_from_slice(format!("\nmachine {}", profile.fingerprint()).as_bytes());
+        text.add(&format!("\nmachine {}", profile.fingerprint()));
     }
     if !files.is_empty() {
-        text.push(b'\n');
-        text.extend_from_slice(files.listing().as_bytes());
+        text.add("\n");
+        text.add(&files.listing());
     }
-    sha256_hex(&text)
+    text.hex()
 }
 
 #[cfg(test)]
@@ -111,6 +113,7 @@ mod tests {
     use super::super::catalogue::Profile;
     use super::super::document::from_value;
     use super::super::finding::Code;
+    use super::super::outcome::sha256_hex;
     use super::*;
 
     /// A ply whose outline is in a file, for a machine that is not there.

@@ -8,6 +8,7 @@ pub mod drawing;
 pub mod finding;
 pub mod geometry;
 pub mod honeycomb;
+pub mod json;
 pub mod outcome;
 pub mod program;
 pub mod robot;

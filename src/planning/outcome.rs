@@ -1,9 +1,15 @@
 //! What a planning attempt gives back: a report, programs and drawings.
 
+use std::io;
+use std::ops::Deref;
+use std::sync::OnceLock;
+
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 use super::finding::{Finding, any_error};
+use super::json::written;
 
 /// The version that stands in every report; a change of it may change bytes.
 pub const PLANNER_VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -61,8 +67,8 @@ pub struct Outcome {
     pub attachments: Vec<Attachment>,
     /// All findings.
     pub findings: Vec<Finding>,
-    /// `report.json` (jobs.md). The shell may add `stages`; nothing else changes after this.
-    pub report: serde_json::Value,
+    /// What was found, figure by figure.
+    pub report: Report,
     /// The figures that a person wants first, a line each; none where the report says all.
     pub summary: Vec<String>,
 }
@@ -76,9 +82,54 @@ struct ProgramEntry<'a> {
     bytes: usize,
 }
 
+/// `report.json` (jobs.md), as text: that of a large ply is as large as the ply. Whoever asks for a field of it has it
+/// read, once.
+#[derive(Debug, Clone)]
+pub struct Report {
+    text: String,
+    read: OnceLock<Value>,
+}
+
+impl Report {
+    fn of(fields: &impl Serialize) -> Self {
+        let mut text = written(fields);
+        text.push('\n');
+        Self { text, read: OnceLock::new() }
+    }
+
+    /// The text of the file; it ends with a line break.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Adds a field at the end.
+    fn add(&mut self, name: &str, value: &impl Serialize) {
+        const END: &str = "\n}\n";
+        let value = written(value).replace('\n', "\n  ");
+        self.text.truncate(self.text.len() - END.len());
+        self.text.push_str(&format!(",\n  \"{name}\": {value}{END}"));
+        self.read = OnceLock::new();
+    }
+}
+
+impl Deref for Report {
+    type Target = Value;
+
+    fn deref(&self) -> &Value {
+        self.read.get_or_init(|| serde_json::from_str(&self.text).expect("it was written as JSON"))
+    }
+}
+
+impl PartialEq for Report {
+    fn eq(&self, other: &Self) -> bool {
+        self.text == other.text
+    }
+}
+
 /// The fields that every report holds.
 #[derive(Serialize)]
-struct Report<'a, B> {
+struct Fields<'a, B> {
     kind: &'a str,
     planner_version: &'a str,
     input_sha256: &'a str,
@@ -130,7 +181,7 @@ impl Outcome {
     #[must_use]
     pub fn with_attachments(mut self, attachments: Vec<Attachment>) -> Self {
         let names: Vec<&str> = attachments.iter().map(|attachment| attachment.name.as_str()).collect();
-        self.report["attachments"] = serde_json::json!(names);
+        self.report.add("attachments", &names);
         Self { attachments, ..self }
     }
 
@@ -151,7 +202,7 @@ impl Outcome {
     ) -> Self {
         let programs = if usable { programs } else { Vec::new() };
         let verdict = if usable { Verdict::Usable } else { Verdict::NotUsable };
-        let report = serde_json::to_value(Report {
+        let report = Report::of(&Fields {
             kind,
             planner_version: PLANNER_VERSION,
             input_sha256,
@@ -160,8 +211,7 @@ impl Outcome {
             programs: programs.iter().map(ProgramFile::entry).collect(),
             drawings: drawings.iter().map(|d| d.name.as_str()).collect(),
             body,
-        })
-        .expect("a report holds nothing but numbers, texts and lists of them");
+        });
         let (attachments, summary) = (Vec::new(), Vec::new());
         Self { verdict, programs, drawings, attachments, findings, report, summary }
     }
@@ -181,8 +231,42 @@ impl ProgramFile {
 /// The SHA-256 of some bytes in lower-case hex.
 #[must_use]
 pub fn sha256_hex(bytes: &[u8]) -> String {
+    hex(&Sha256::digest(bytes))
+}
+
+/// The SHA-256 of a text that nobody holds as a whole.
+#[derive(Debug, Default)]
+pub struct Sha256Text {
+    hasher: Sha256,
+}
+
+impl Sha256Text {
+    /// The text goes on with this.
+    pub fn add(&mut self, part: &str) {
+        self.hasher.update(part);
+    }
+
+    /// The sum of all of it in lower-case hex.
+    #[must_use]
+    pub fn hex(self) -> String {
+        hex(&self.hasher.finalize())
+    }
+}
+
+impl io::Write for Sha256Text {
+    fn write(&mut self, part: &[u8]) -> io::Result<usize> {
+        self.hasher.update(part);
+        Ok(part.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+fn hex(bytes: &[u8]) -> String {
     use std::fmt::Write;
-    Sha256::digest(bytes).iter().fold(String::with_capacity(64), |mut hex, byte| {
+    bytes.iter().fold(String::with_capacity(2 * bytes.len()), |mut hex, byte| {
         // Writing to a String cannot fail.
         let _ = write!(hex, "{byte:02x}");
         hex

@@ -53,7 +53,7 @@ pub fn run(limits: &Limits) -> io::Result<()> {
     let given = Given::read(&mut io::stdin().lock())?;
     let out = BufWriter::new(io::stdout().lock());
     let attempt = Attempt { started: Instant::now(), out: out.into() };
-    if limits.check { attempt.check(&given) } else { attempt.answer(&given) }
+    if limits.check { attempt.check(&given) } else { attempt.answer(given) }
 }
 
 fn confine(limits: &Limits) -> io::Result<()> {
@@ -122,7 +122,7 @@ struct Attempt<W: Write> {
 }
 
 impl<W: Write> Attempt<W> {
-    fn answer(self, given: &Given) -> io::Result<()> {
+    fn answer(self, given: Given) -> io::Result<()> {
         match self.plan(given) {
             Ok(outcome) => self.deliver(&outcome),
             Err(faults) => self.say(&Message::Faults(faults)),
@@ -136,9 +136,12 @@ impl<W: Write> Attempt<W> {
         })
     }
 
-    fn plan(&self, given: &Given) -> Result<Outcome, Vec<Finding>> {
+    fn plan(&self, given: Given) -> Result<Outcome, Vec<Finding>> {
         let catalogue = catalogue(&given.machines)?;
-        let document = document::read(&given.document)?;
+        let Given { document: text, files, .. } = given;
+        let document = document::read(&text)?;
+        // A large ply is large, and not needed as text any more.
+        drop(text);
         let on_stage = |name: &'static str| {
             let message = Message::Stage { name: name.to_owned(), at_s: self.seconds() };
             // A parent that is gone ends this process by a signal.
@@ -146,12 +149,12 @@ impl<W: Write> Attempt<W> {
         };
         let never = std::sync::atomic::AtomicBool::new(false);
         let budget = Budget::new(DEFAULT_STEPS, &never, &on_stage);
-        plan(&document, &given.files, &catalogue, &budget)
+        plan(&document, &files, &catalogue, &budget)
     }
 
     fn deliver(&self, outcome: &Outcome) -> io::Result<()> {
-        let report = report_text(outcome)?;
-        let mut parts = vec![(Role::Report, "report.json", "", report.as_slice())];
+        let report = outcome.report.text();
+        let mut parts = vec![(Role::Report, "report.json", "", report.as_bytes())];
         for drawing in &outcome.drawings {
             parts.push((Role::Drawing, &drawing.name, "", drawing.svg.as_bytes()));
         }
@@ -194,16 +197,6 @@ fn checked(given: &Given) -> Result<Label, Vec<Finding>> {
     Ok(Label { kind, name: document.name, references: document.references })
 }
 
-/// The bytes of `report.json`.
-///
-/// # Errors
-/// None that a report can cause.
-pub fn report_text(outcome: &Outcome) -> io::Result<Vec<u8>> {
-    let mut text = serde_json::to_vec_pretty(&outcome.report)?;
-    text.push(b'\n');
-    Ok(text)
-}
-
 /// The machines that the document can name: the built-in ones and those that were frozen with it.
 fn catalogue(machines: &[u8]) -> Result<Catalogue, Vec<Finding>> {
     use crate::planning::finding::Code;
@@ -228,7 +221,7 @@ mod tests {
         let attempt = Attempt { started: Instant::now(), out };
         let document = "{\"kind\": \"tape-cut\"}";
         let given = given(&format!("[]\n{{\"document\": {}, \"files\": []}}\n{document}", document.len()));
-        assert_eq!(attempt.plan(&given.unwrap()).unwrap_err()[0].at, "/input");
+        assert_eq!(attempt.plan(given.unwrap()).unwrap_err()[0].at, "/input");
     }
 
     #[test]

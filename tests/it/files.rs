@@ -170,7 +170,7 @@ fn what_is_found_while_planning_is_said_at_its_line_too() {
 
 /// A report and its program without what names the bytes of the input.
 fn meaning(outcome: &Outcome) -> (Value, Vec<String>) {
-    let mut report = outcome.report.clone();
+    let mut report = Value::clone(&outcome.report);
     for field in ["input_sha256", "programs", "findings"] {
         report.as_object_mut().unwrap().remove(field);
     }

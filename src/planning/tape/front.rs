@@ -96,22 +96,20 @@ fn envelope(runs: &[Vec<Span>], end: End) -> Vec<Span> {
 /// The outermost of two envelopes. Their spans do not cross, so one that is outermost in the middle of a stretch is so
 /// throughout.
 fn together(one: &[Span], other: &[Span], end: End) -> Vec<Span> {
-    let mut levels: Vec<f64> = one.iter().chain(other).flat_map(|span| [span.v.0, span.v.1]).collect();
-    levels.sort_by(f64::total_cmp);
-    levels.dedup();
-    let mut outermost: Vec<Span> = Vec::new();
+    let mut outermost: Vec<Span> = Vec::with_capacity(one.len() + other.len());
     let mut last: Option<Span> = None;
     let (mut i, mut j) = (0, 0);
-    for pair in levels.windows(2) {
-        let (v, middle) = ((pair[0], pair[1]), f64::midpoint(pair[0], pair[1]));
-        while one.get(i).is_some_and(|span| span.v.1 <= v.0) {
-            i += 1;
-        }
-        while other.get(j).is_some_and(|span| span.v.1 <= v.0) {
-            j += 1;
-        }
-        let here = |spans: &[Span], index: usize| spans.get(index).filter(|span| span.v.0 <= v.0).copied();
-        let chosen = match (here(one, i), here(other, j)) {
+    let mut from = f64::NEG_INFINITY;
+    while let Some(to) = one
+        .get(i)
+        .map(|span| span.next(from))
+        .into_iter()
+        .chain(other.get(j).map(|span| span.next(from)))
+        .reduce(f64::min)
+    {
+        let here = |span: Option<&Span>| span.filter(|span| span.v.0 <= from).copied();
+        let middle = f64::midpoint(from, to);
+        let chosen = match (here(one.get(i)), here(other.get(j))) {
             (Some(a), Some(b)) => {
                 Some(if (a.at(middle) < b.at(middle)) == (end == End::Start) { a } else { b })
             }
@@ -119,13 +117,16 @@ fn together(one: &[Span], other: &[Span], end: End) -> Vec<Span> {
         };
         match (chosen, outermost.last_mut()) {
             // The same span goes on.
-            (Some(span), Some(before)) if last == Some(span) => {
-                (before.v.1, before.u.1) = (v.1, span.at(v.1))
+            (Some(span), Some(before)) if last == Some(span) => (before.v.1, before.u.1) = (to, span.at(to)),
+            (Some(span), _) => {
+                outermost.push(Span { v: (from, to), u: (span.at(from), span.at(to)), there: true })
             }
-            (Some(span), _) => outermost.push(Span { v, u: (span.at(v.0), span.at(v.1)), there: true }),
             (None, _) => {}
         }
         last = chosen;
+        i += usize::from(one.get(i).is_some_and(|span| span.v.1 <= to));
+        j += usize::from(other.get(j).is_some_and(|span| span.v.1 <= to));
+        from = to;
     }
     outermost
 }
@@ -190,6 +191,11 @@ impl Between {
 }
 
 impl Span {
+    /// Where it begins or ends next after `v`, if it does not end before.
+    fn next(&self, v: f64) -> f64 {
+        if self.v.0 > v { self.v.0 } else { self.v.1 }
+    }
+
     fn at(&self, v: f64) -> f64 {
         self.u.0 + (v - self.v.0) / (self.v.1 - self.v.0) * (self.u.1 - self.u.0)
     }

@@ -82,7 +82,7 @@ pub fn plan(
         Err(faults) => {
             findings.extend(faults);
             input.origins.relocate(&mut findings);
-            Outcome::new("tape-cut", input_sha256, findings, vec![], vec![], None::<TapeReport>)
+            Outcome::new("tape-cut", input_sha256, findings, vec![], vec![], None::<TapeReport<'_>>)
         }
     })
 }
@@ -170,10 +170,9 @@ fn finish(
     input_sha256: &str,
     budget: &Budget<'_>,
 ) -> Outcome {
-    budget.stage("replay");
     let name = program_name(input);
     findings.append(&mut written.findings);
-    let (figures, faults) = judge(&name, &written.text, &written, plan, input);
+    let (figures, faults) = judge(&name, &written.text, &written, plan, input, budget);
     findings.extend(faults);
     input.origins.relocate(&mut findings);
     budget.stage("draw");
@@ -198,6 +197,7 @@ fn judge(
     written: &Written,
     plan: &TapePlan,
     input: &TapeInput,
+    budget: &Budget<'_>,
 ) -> (ReplayFigures, Vec<Finding>) {
     let wanted = plan.wanted();
     let overcut_mm = input.machine.overcut().mm();
@@ -212,10 +212,13 @@ fn judge(
         pieces: &if overcut_mm > 0.0 { overcut::outlines(plan) } else { Vec::new() },
         before: &written.before,
     };
+    budget.stage("read back");
     let read = |text: &str| nc::read_back(name, text, &input.machine);
+    let events = read(text);
+    budget.stage("replay");
     let judged = match &written.cutting {
-        None => read(text).map(|events| replay(&setup, &events)),
-        Some(cutting) => read(text).and_then(|dry| {
+        None => events.map(|events| replay(&setup, &events)),
+        Some(cutting) => events.and_then(|dry| {
             let cutting = read(cutting)?;
             let (figures, mut findings) = replay(&setup, &cutting);
             findings.extend(dry::compare(name, &dry, &cutting));
@@ -263,7 +266,7 @@ pub fn check(
         Ok(written) => written,
         Err(faults) => return Ok(("the job has no program".to_owned(), faults)),
     };
-    let (figures, mut findings) = judge(name, text, &written, &plan, &input);
+    let (figures, mut findings) = judge(name, text, &written, &plan, &input, budget);
     findings.extend(difference(name, text, &written.text));
     Ok((figures.to_string(), findings))
 }

@@ -81,14 +81,14 @@ pub fn plan(
     budget: &Budget<'_>,
     findings: &mut Vec<Finding>,
 ) -> Result<TapePlan, Vec<Finding>> {
-    budget.stage("clip");
+    budget.stage("develop and clip");
     let mut courses = pieces_of_courses(input, budget, findings)?;
     if courses.is_empty() {
         let message = "no course touches the ply: see whether both are in one coordinate system, in mm";
         return Err(vec![Finding::error(Code::NoCourseOnPly, "/input/tracks", message)]);
     }
     findings.extend(uncovered(&courses, input));
-    budget.stage("knives");
+    budget.stage("chains");
     findings.extend(assign_knives(&mut courses, input)?);
     budget.stage("roll");
     let planned = on_roll(courses, input)?;

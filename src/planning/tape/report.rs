@@ -1,19 +1,20 @@
 //! The fields of a tape-cut report (jobs.md).
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::chain::Slope;
 use super::input::TapeInput;
 use super::plan::{PlannedCourse, PlannedPiece, TapePlan};
 use super::roll::RollFigures;
 use super::tips::{Tip, tips};
+use crate::planning::geometry::Point2;
 use crate::planning::program::replay::ReplayFigures;
 
 /// The fields of a report that are the kind's own.
 #[derive(Debug, Clone, Serialize)]
-pub struct TapeReport {
+pub struct TapeReport<'a> {
     machine: MachineReport,
-    courses: Vec<CourseReport>,
+    courses: Vec<CourseReport<'a>>,
     roll: RollFigures,
     manifest: Vec<ManifestEntry>,
     /// Cycle time in s, each move from rest to rest with the profile's accelerations.
@@ -52,21 +53,21 @@ struct MachineReport {
 }
 
 #[derive(Debug, Clone, Serialize)]
-struct CourseReport {
+struct CourseReport<'a> {
     number: u32,
-    pieces: Vec<PieceReport>,
+    pieces: Vec<PieceReport<'a>>,
 }
 
 #[derive(Debug, Clone, Serialize)]
-struct PieceReport {
+struct PieceReport<'a> {
     area_mm2: f64,
     roll_offset_mm: f64,
-    cuts: Vec<CutReport>,
+    cuts: Vec<CutReport<'a>>,
 }
 
 /// A chain of a cut: what one knife makes.
 #[derive(Debug, Clone, Serialize)]
-struct CutReport {
+struct CutReport<'a> {
     /// Which cut of the piece it belongs to, from 0.
     cut: usize,
     cutter: usize,
@@ -74,7 +75,13 @@ struct CutReport {
     turns: usize,
     /// Whether it is made as the start of the next course in r, whose outline is the same there.
     shared: bool,
-    points_uv: Vec<[f64; 2]>,
+    #[serde(serialize_with = "pairs")]
+    points_uv: &'a [Point2],
+}
+
+/// Of a large ply these are too many for a copy.
+fn pairs<S: Serializer>(points: &[Point2], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(points.iter().map(|point| [point.x, point.y]))
 }
 
 /// A piece as the cassette gives it out.
@@ -89,11 +96,11 @@ struct ManifestEntry {
     roll_mm: [f64; 2],
 }
 
-impl TapeReport {
+impl<'a> TapeReport<'a> {
     /// Puts a report together.
     #[must_use]
     pub fn new(
-        plan: &TapePlan,
+        plan: &'a TapePlan,
         input: &TapeInput,
         time_s: f64,
         bound_time_s: f64,
@@ -130,14 +137,14 @@ fn simplified_report(course: &PlannedCourse) -> Option<SimplifiedReport> {
     })
 }
 
-fn piece_report(piece: &PlannedPiece) -> PieceReport {
+fn piece_report(piece: &PlannedPiece) -> PieceReport<'_> {
     let cuts = piece.chains.iter().map(|(chain, cutter)| CutReport {
         cut: chain.cut,
         cutter: cutter + 1,
         slope: chain.slope,
         turns: chain.turns,
         shared: piece.shares(chain),
-        points_uv: chain.points.iter().map(|point| [point.x, point.y]).collect(),
+        points_uv: &chain.points,
     });
     PieceReport { area_mm2: piece.piece.area_mm2, roll_offset_mm: piece.offset_mm, cuts: cuts.collect() }
 }

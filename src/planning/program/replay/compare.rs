@@ -67,18 +67,19 @@ struct Run {
 }
 
 impl Side {
-    fn of(probes: &Curves, others: &Curves, within_mm: f64) -> Self {
+    fn of(probes: &Curves<'_>, others: &Curves<'_>, within_mm: f64) -> Self {
         let mut measure = Measure { others, found: Vec::new(), near: Vec::new(), beside: None };
         let mut side = Self { worst_mm: 0.0, worst: None, runs: Vec::new() };
         let mut open: Vec<(usize, Probe, Span)> = Vec::new();
         for (index, piece) in probes.pieces.iter().enumerate() {
-            let follows = index > 0 && piece.joined && probes.pieces[index - 1].curve == piece.curve;
-            if measure.runs_beside(piece.ends, side.worst_mm) {
+            let ends = probes.ends(index);
+            let follows = index > 0 && piece.joined && probes.pieces[index - 1].curve() == piece.curve();
+            if measure.runs_beside(ends, side.worst_mm) {
                 side.close(&mut open, probes, &mut measure, within_mm);
                 continue;
             }
-            let probe = Probe::along(piece.ends);
-            let far = measure.far(&probe, piece.ends, within_mm);
+            let probe = Probe::along(ends);
+            let far = measure.far(&probe, ends, within_mm);
             if far.is_empty() {
                 side.tighten(index, &probe, &measure, within_mm);
             }
@@ -109,14 +110,14 @@ impl Side {
     fn close(
         &mut self,
         open: &mut Vec<(usize, Probe, Span)>,
-        probes: &Curves,
+        probes: &Curves<'_>,
         measure: &mut Measure<'_>,
         within_mm: f64,
     ) {
         let (Some((piece, first, begin)), Some((_, last, end))) = (open.first(), open.last()) else { return };
         let belongs_mm = BELONGS_MM.max(2.0 * within_mm);
         let off_mm = open.iter().try_fold(within_mm, |off_mm, (piece, probe, part)| {
-            measure.look(probes.pieces[*piece].ends, belongs_mm);
+            measure.look(probes.ends(*piece), belongs_mm);
             is_near(probe, *part, &measure.near, belongs_mm)
                 .then(|| distance(probe, *part, &measure.near, off_mm, belongs_mm))
         });
@@ -131,12 +132,12 @@ impl Side {
         &mut self,
         setup: &ReplaySetup<'_>,
         strokes: &[Stroke],
-        made: &Curves,
+        made: &Curves<'_>,
         within_mm: f64,
     ) -> f64 {
         let mut taken_mm = 0.0;
         self.runs.retain(|run| {
-            let stroke = &strokes[made.pieces[run.piece].curve];
+            let stroke = &strokes[made.pieces[run.piece].curve()];
             let allowed = overcut::is_overcut(setup, stroke, (run.from, run.to, run.length_mm), within_mm);
             taken_mm += if allowed { run.length_mm } else { 0.0 };
             !allowed
@@ -157,8 +158,8 @@ impl Side {
 
 /// Looks for what is near a piece.
 struct Measure<'a> {
-    others: &'a Curves,
-    found: Vec<u32>,
+    others: &'a Curves<'a>,
+    found: Vec<usize>,
     near: Vec<Segment>,
     /// The other piece that lies beside the end of the last probe, where it is known.
     beside: Option<usize>,
@@ -173,14 +174,16 @@ impl Measure<'_> {
     fn runs_beside(&mut self, probe: Segment, radius: f64) -> bool {
         let Some(first) = self.beside else { return false };
         let pieces = &self.others.pieces;
-        if to_segment(probe[0], pieces[first].ends) > radius {
+        if to_segment(probe[0], self.others.ends(first)) > radius {
             return false;
         }
-        let joined = |index: usize| pieces[index].joined && pieces[index - 1].curve == pieces[index].curve;
-        let within = |index: &usize| to_segment(probe[1], pieces[*index].ends) <= radius;
+        let joined =
+            |index: usize| pieces[index].joined && pieces[index - 1].curve() == pieces[index].curve();
+        let within = |index: &usize| to_segment(probe[1], self.others.ends(*index)) <= radius;
         let passes = |place: [f64; 2]| to_segment(place, probe) <= radius;
-        let onward = (first + 1..pieces.len()).take_while(|&i| joined(i) && passes(pieces[i].ends[0]));
-        let back = (1..=first).rev().take_while(|&i| joined(i) && passes(pieces[i].ends[0])).map(|i| i - 1);
+        let onward = (first + 1..pieces.len()).take_while(|&i| joined(i) && passes(self.others.ends(i)[0]));
+        let back =
+            (1..=first).rev().take_while(|&i| joined(i) && passes(self.others.ends(i)[0])).map(|i| i - 1);
         let found = std::iter::once(first).chain(onward).find(&within).or_else(|| back.clone().find(&within));
         self.beside = found.or(self.beside);
         found.is_some()
@@ -189,14 +192,14 @@ impl Measure<'_> {
     fn look(&mut self, ends: Segment, radius: f64) {
         self.others.near(ends, radius, &mut self.found);
         self.near.clear();
-        self.near.extend(self.found.iter().map(|place| self.others.pieces[*place as usize].ends));
+        self.near.extend(self.found.iter().map(|place| self.others.ends(*place)));
     }
 
     fn far(&mut self, probe: &Probe, ends: Segment, radius: f64) -> Vec<Span> {
         self.look(ends, radius);
-        let off = |place: &u32| to_segment(ends[1], self.others.pieces[*place as usize].ends);
+        let off = |place: &usize| to_segment(ends[1], self.others.ends(*place));
         let nearest = self.found.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-        self.beside = nearest.map(|place| *place as usize);
+        self.beside = nearest.copied();
         far_parts(probe, (0.0, probe.length), &self.near, radius)
     }
 }
@@ -205,8 +208,8 @@ struct Comparison<'a> {
     setup: &'a ReplaySetup<'a>,
     strokes: &'a [Stroke],
     within_mm: f64,
-    wanted: Curves,
-    made: Curves,
+    wanted: Curves<'a>,
+    made: Curves<'a>,
     missing: Side,
     extra: Side,
     overcut_mm: f64,
@@ -215,7 +218,7 @@ struct Comparison<'a> {
 
 impl Comparison<'_> {
     fn judge(&self, faults: &mut Faults<'_>) -> Compared {
-        let nowhere = |curves: &Curves| curves.misplaced.iter().map(|piece| piece.length_mm).sum::<f64>();
+        let nowhere = |curves: &Curves<'_>| curves.misplaced.iter().map(|piece| piece.length_mm).sum::<f64>();
         let twice_mm: f64 = self.twice.iter().map(|run| run.share_mm).sum();
         // An empty sum is -0.0; a report says 0.0.
         let uncut_mm = 0.0 + self.missing.length_mm() + nowhere(&self.wanted);
@@ -232,7 +235,7 @@ impl Comparison<'_> {
 
     fn say_uncut(&self, faults: &mut Faults<'_>) {
         for run in &self.missing.runs {
-            let course = self.setup.wanted[self.wanted.pieces[run.piece].curve].course;
+            let course = self.setup.wanted[self.wanted.pieces[run.piece].curve()].course;
             faults.at_program(Code::Uncut, || {
                 format!("course {course}: {} is not cut{}", place(run.from, run.to, run.length_mm), off(run))
             });
@@ -270,8 +273,8 @@ impl Comparison<'_> {
         let most =
             |off_mm: f64, allowed_mm: f64| format!("{off_mm:.6} mm off; {allowed_mm:.6} mm are allowed");
         if let Some(piece) = wanted.filter(|_| wanted_mm > self.within_mm) {
-            let piece = &self.wanted.pieces[piece];
-            let (course, [r, v]) = (self.setup.wanted[piece.curve].course, piece.ends[0]);
+            let course = self.setup.wanted[self.wanted.pieces[piece].curve()].course;
+            let [r, v] = self.wanted.ends(piece)[0];
             faults.at_program(Code::Deviation, || {
                 let most = most(wanted_mm, self.within_mm);
                 format!("course {course}: a cut wanted from r = {r:.4}, v = {v:.4} mm on is made {most}")
@@ -288,7 +291,7 @@ impl Comparison<'_> {
     /// The program line that makes a piece.
     fn line(&self, made: usize) -> usize {
         let piece = &self.made.pieces[made];
-        self.strokes[piece.curve].lines[piece.step]
+        self.strokes[piece.curve()].lines[piece.step()]
     }
 }
 
@@ -326,14 +329,14 @@ mod tests {
             for (probes, others) in [(&walk, &coarse), (&coarse, &walk)] {
                 let (probes, others) = [probes, others].map(|points| Curves::of(std::iter::once(points.as_slice()))).into();
                 let mut measure = Measure { others: &others, found: Vec::new(), near: Vec::new(), beside: None };
-                for piece in &probes.pieces {
-                    let probe = Probe::along(piece.ends);
-                    if measure.runs_beside(piece.ends, radius) {
-                        measure.look(piece.ends, radius + 1.0);
+                for ends in (0..probes.pieces.len()).map(|piece| probes.ends(piece)) {
+                    let probe = Probe::along(ends);
+                    if measure.runs_beside(ends, radius) {
+                        measure.look(ends, radius + 1.0);
                         let far = far_parts(&probe, (0.0, probe.length), &measure.near, radius + 1e-9);
-                        proptest::prop_assert!(far.is_empty(), "{:?} {far:?}", piece.ends);
+                        proptest::prop_assert!(far.is_empty(), "{:?} {far:?}", ends);
                     } else {
-                        measure.far(&probe, piece.ends, radius);
+                        measure.far(&probe, ends, radius);
                     }
                 }
             }
@@ -348,9 +351,10 @@ mod tests {
             (Curves::of([fine.as_slice()].into_iter()), Curves::of([coarse.as_slice()].into_iter()));
         for (probes, others) in [(&fine, &coarse), (&coarse, &fine)] {
             let mut measure = Measure { others, found: Vec::new(), near: Vec::new(), beside: None };
-            measure.far(&Probe::along(probes.pieces[0].ends), probes.pieces[0].ends, 0.01);
-            let seen =
-                probes.pieces[1..].iter().filter(|piece| measure.runs_beside(piece.ends, 0.01)).count();
+            measure.far(&Probe::along(probes.ends(0)), probes.ends(0), 0.01);
+            let seen = (1..probes.pieces.len())
+                .filter(|piece| measure.runs_beside(probes.ends(*piece), 0.01))
+                .count();
             assert_eq!(seen, probes.pieces.len() - 1);
         }
     }

@@ -13,7 +13,7 @@
 //! count. So a cut made twice is found where it is longer than 6 D and no other cut is wanted within 3 D.
 
 use super::curves::Curves;
-use super::nearness::Probe;
+use super::nearness::{Probe, Segment, Span};
 
 /// Rounding may break a run into two; a break up to this length in mm is none.
 const BREAK_MM: f64 = 1e-6;
@@ -36,17 +36,18 @@ pub(super) struct Twice {
 
 /// All that is cut too often. `within_mm` (D) is how far a cut may lie from its place. Where cuts go on beyond their
 /// ends by `overcut_mm`, two of them may lie side by side for that long each.
-pub(super) fn twice(made: &Curves, wanted: &Curves, within_mm: f64, overcut_mm: f64) -> Vec<Twice> {
+pub(super) fn twice(made: &Curves<'_>, wanted: &Curves<'_>, within_mm: f64, overcut_mm: f64) -> Vec<Twice> {
     let mut counter = Counter { made, wanted, within_mm, found: Vec::new(), changes: Vec::new() };
     let mut runs =
         Runs { open: None, done: Vec::new(), longest_joint_mm: 6.0 * within_mm + 2.0 * overcut_mm };
     for (index, piece) in made.pieces.iter().enumerate() {
-        let probe = Probe::along(piece.ends);
-        let same_curve = index > 0 && made.pieces[index - 1].curve == piece.curve && piece.joined;
+        let ends = made.ends(index);
+        let probe = Probe::along(ends);
+        let same_curve = index > 0 && made.pieces[index - 1].curve() == piece.curve() && piece.joined;
         if !same_curve {
             runs.close();
         }
-        counter.excess(&probe, piece.ends, |from, to, share| runs.add(index, &probe, (from, to), share));
+        counter.excess(&probe, ends, |from, to, share| runs.add(index, &probe, (from, to), share));
     }
     runs.close();
     runs.done
@@ -62,29 +63,38 @@ struct Change {
 }
 
 struct Counter<'a> {
-    made: &'a Curves,
-    wanted: &'a Curves,
+    made: &'a Curves<'a>,
+    wanted: &'a Curves<'a>,
     within_mm: f64,
-    found: Vec<u32>,
+    found: Vec<usize>,
     changes: Vec<Change>,
 }
 
 impl Counter<'_> {
     /// Calls `take` with each part of a probe that is cut too often, and the share of its excess.
-    fn excess(&mut self, probe: &Probe, ends: [[f64; 2]; 2], mut take: impl FnMut(f64, f64, f64)) {
+    fn excess(&mut self, probe: &Probe, ends: Segment, mut take: impl FnMut(f64, f64, f64)) {
         self.changes.clear();
         self.count(self.made, probe, ends, 2.0, |change, step| change.made += step);
-        if !self.meets_another() {
-            return;
+        let others = self.beside_others();
+        let made = std::mem::take(&mut self.changes);
+        for (from, to) in others {
+            self.changes.clone_from(&made);
+            // Only there it matters how many are wanted: of a cut of a million points this is next to nothing.
+            let part = [probe.point(from), probe.point(to)];
+            self.count(self.wanted, probe, part, 3.0, |change, step| change.wanted += step);
+            self.count_covered(probe);
+            self.changes.sort_by(|one, other| one.at.total_cmp(&other.at));
+            self.take_excess((from, to), &mut take);
         }
-        self.count(self.wanted, probe, ends, 3.0, |change, step| change.wanted += step);
-        self.count_covered(probe);
-        self.changes.sort_by(|one, other| one.at.total_cmp(&other.at));
+        self.changes = made;
+    }
+
+    fn take_excess(&self, (from, to): Span, take: &mut impl FnMut(f64, f64, f64)) {
         let mut now = Change::default();
         for change in &self.changes {
-            let wanted = now.wanted.max(1);
-            if change.at > now.at && now.covered > 0 && now.made > wanted {
-                take(now.at, change.at, f64::from(now.made - wanted) / f64::from(now.made));
+            let (wanted, begin, end) = (now.wanted.max(1), now.at.max(from), change.at.min(to));
+            if end > begin && now.covered > 0 && now.made > wanted {
+                take(begin, end, f64::from(now.made - wanted) / f64::from(now.made));
             }
             now = Change {
                 at: change.at,
@@ -98,18 +108,19 @@ impl Counter<'_> {
     /// Pieces count one, joints take one away, within `widths` times D.
     fn count(
         &mut self,
-        curves: &Curves,
+        curves: &Curves<'_>,
         probe: &Probe,
-        ends: [[f64; 2]; 2],
+        ends: Segment,
         widths: f64,
         mut add: impl FnMut(&mut Change, i32),
     ) {
         let radius = widths * self.within_mm;
         curves.near(ends, radius, &mut self.found);
         for place in &self.found {
-            let piece = &curves.pieces[*place as usize];
-            let joint = if piece.joined { probe.near_point(piece.ends[0], radius) } else { None };
-            let counted = [(probe.near_segment(piece.ends, radius), 1), (joint, -1)];
+            let piece = &curves.pieces[*place];
+            let ends = curves.ends(*place);
+            let joint = if piece.joined { probe.near_point(ends[0], radius) } else { None };
+            let counted = [(probe.near_segment(ends, radius), 1), (joint, -1)];
             for (span, step) in counted {
                 let Some((from, to)) = span else { continue };
                 for (at, step) in [(from, step), (to, -step)] {
@@ -124,7 +135,7 @@ impl Counter<'_> {
     /// A cut that nobody wants at all is counted elsewhere. Uses what `count` found last: the wanted pieces.
     fn count_covered(&mut self, probe: &Probe) {
         for place in &self.found {
-            let ends = self.wanted.pieces[*place as usize].ends;
+            let ends = self.wanted.ends(*place);
             let Some((from, to)) = probe.near_segment(ends, self.within_mm) else { continue };
             for (at, covered) in [(from, 1), (to, -1)] {
                 self.changes.push(Change { at, covered, ..Change::default() });
@@ -132,20 +143,24 @@ impl Counter<'_> {
         }
     }
 
-    /// Whether anything but the probe's own piece and what joins it is near: without that, pieces and joints
-    /// balance everywhere, as they do along nearly all cuts.
-    fn meets_another(&mut self) -> bool {
+    /// Where anything but the probe's own piece and what joins it is near: without that, pieces and joints balance
+    /// everywhere, as they do along nearly all cuts.
+    fn beside_others(&mut self) -> Vec<Span> {
         self.changes.sort_by(|one, other| one.at.total_cmp(&other.at));
+        let mut beside: Vec<Span> = Vec::new();
         let mut passes = 0;
         let mut before = 0.0;
         for change in &self.changes {
             if passes > 1 && change.at > before {
-                return true;
+                match beside.last_mut() {
+                    Some(last) if last.1 == before => last.1 = change.at,
+                    _ => beside.push((before, change.at)),
+                }
             }
             passes += change.made;
             before = change.at;
         }
-        false
+        beside
     }
 }
 

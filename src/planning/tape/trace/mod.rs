@@ -11,6 +11,7 @@ use super::input::TapeInput;
 use super::machine::{Cutter, Machine};
 use super::plan::{PlannedCourse, TapePlan};
 use super::stroke::{DECIMALS, Knot, Stroke};
+use crate::planning::json::written;
 use crate::planning::outcome::Attachment;
 use crate::planning::program::number::rounded;
 
@@ -122,12 +123,9 @@ fn feed_mm_s(from: &Knot, to: &Knot, cutter: &Cutter, machine: &Machine) -> f64 
 
 impl PlantedTrace {
     /// The trace as `trace-planted.txt` and `trace-planted.json`.
-    ///
-    /// # Panics
-    /// Never: a trace holds nothing but finite numbers and lists of them.
     #[must_use]
     pub fn attachments(&self) -> [Attachment; 2] {
-        let json = serde_json::to_string_pretty(self).expect("a trace holds finite numbers") + "\n";
+        let json = written(self) + "\n";
         [
             Attachment { name: "trace-planted.txt".to_owned(), text: text::write(self) },
             Attachment { name: "trace-planted.json".to_owned(), text: json },
