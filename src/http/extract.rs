@@ -89,7 +89,9 @@ async fn bytes_of(request: Request) -> Result<Bytes, Problem> {
 
 fn typed<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {
     let value = document::parse(bytes).map_err(|fault| match fault.code {
-        Code::InvalidNumber => Problem::of_faults(ProblemCode::InvalidRequest, vec![fault]),
+        Code::InvalidNumber | Code::DuplicateField => {
+            Problem::of_faults(ProblemCode::InvalidRequest, vec![fault])
+        }
         _ => Problem::of_faults(ProblemCode::InvalidJson, vec![fault]),
     })?;
     document::typed(value, "").map_err(|faults| Problem::of_faults(ProblemCode::InvalidRequest, faults))

@@ -121,6 +121,8 @@ problems! {
     ProfileMismatch = CONFLICT, false, "Plan the job for this machine: name it in the job and post it again.";
     /// The program was planned for no machine.
     NoMachineChecked = CONFLICT, false, "Plan the job again with its machine or cell: only then its limits are checked.";
+    /// This program has no dry run.
+    NoDryRun = CONFLICT, false, "Only a tape program has one, of the version that planned it: post its job again with options.dry_run. A robot's program is tried in the control's own test mode.";
     /// The hash that was sent is not that of the program.
     HashMismatch = CONFLICT, false, "Look at the program again: fetch it, compute its SHA-256, and name that.";
     /// The state does not admit this.
@@ -316,7 +318,8 @@ fn of_illegal_entry(illegal: entry::Illegal) -> Problem {
 }
 
 /// What a program in this state is not good for.
-fn of_unapproved(state: &str) -> Problem {
+#[must_use]
+pub fn of_unapproved(state: &str) -> Problem {
     match state {
         "quarantined" => Problem::new(ProblemCode::ProgramQuarantined),
         other => Problem::new(ProblemCode::ProgramNotApproved).detail(format!("the program is {other}")),

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::id::{EntryId, ProgramId};
 use super::moment::Moment;
+use super::purpose::Purpose;
 
 /// The most units of an entry.
 pub const MOST_UNITS: i64 = 10_000;
@@ -26,6 +27,8 @@ pub struct Entry {
     pub queue: String,
     /// The program.
     pub program: ProgramId,
+    /// What the program is for.
+    pub purpose: Purpose,
     /// Its place: the lowest comes first, the older one where two are the same.
     pub position: i64,
     /// How many units are wanted, from 1 to [`MOST_UNITS`].
@@ -76,6 +79,8 @@ pub struct NewEntry {
     pub queue: String,
     /// The program.
     pub program: ProgramId,
+    /// What the program is for.
+    pub purpose: Purpose,
     /// Its place.
     pub position: i64,
     /// How many units are wanted.
@@ -102,10 +107,11 @@ impl Entry {
     /// # Errors
     /// `Quantity`.
     pub fn queue(new: NewEntry, now: Moment) -> Result<Self, Illegal> {
-        let NewEntry { id, queue, program, position, quantity } = new;
+        let NewEntry { id, queue, program, purpose, position, quantity } = new;
         let (units, state) = (Units::default(), EntryState::Queued);
+        let (created_at, version) = (now, 1);
         let entry =
-            Self { id, queue, program, position, quantity, units, created_at: now, version: 1, state };
+            Self { id, queue, program, purpose, position, quantity, units, created_at, version, state };
         entry.checked()
     }
 
@@ -133,6 +139,12 @@ impl Entry {
         }
         let units = amended.units;
         Ok(amended.settle(units))
+    }
+
+    /// How many units of production it has made: none of a dry run or of the rest of a roll, however often it ran.
+    #[must_use]
+    pub fn produced(&self) -> i64 {
+        if self.purpose.makes_units() { self.units.done } else { 0 }
     }
 
     /// Ends it. A cancelled entry stays as it is.
@@ -199,7 +211,8 @@ mod tests {
 
     fn entry(quantity: i64) -> Result<Entry, Illegal> {
         let (id, program) = (EntryId::new(NOW, &[1; 10]), ProgramId::new(NOW, &[2; 10]));
-        Entry::queue(NewEntry { id, queue: "lab".into(), program, position: 1, quantity }, NOW)
+        let (queue, purpose) = ("lab".into(), Purpose::Production);
+        Entry::queue(NewEntry { id, queue, program, purpose, position: 1, quantity }, NOW)
     }
 
     fn units(given: i64, done: i64, scrapped: i64) -> Units {
@@ -219,6 +232,16 @@ mod tests {
         assert_eq!((entry.state, entry.version), (EntryState::Finished, 6));
         assert_eq!(entry.clone().cancel(), Err(Illegal::Over(EntryState::Finished)));
         assert_eq!(entry.amend(None, Some(4)), Err(Illegal::Over(EntryState::Finished)));
+    }
+
+    #[test]
+    fn a_dry_run_and_the_rest_of_a_roll_finish_and_make_no_unit() {
+        for purpose in [Purpose::of(true, None), Purpose::of(false, Some(7))] {
+            let ordinary = entry(2).unwrap().settle(units(2, 2, 0));
+            let other = Entry { purpose, ..ordinary.clone() };
+            assert_eq!((ordinary.produced(), other.produced()), (2, 0), "{purpose:?}");
+            assert_eq!((other.units.done, other.state), (2, EntryState::Finished));
+        }
     }
 
     #[test]

@@ -33,6 +33,8 @@ pub struct Job {
     pub name: String,
     /// Free, searchable strings.
     pub references: BTreeMap<String, String>,
+    /// The program whose dry run it plans, if it was asked for as that.
+    pub dry_run_of: Option<ProgramId>,
     /// When it was posted.
     pub created_at: Moment,
     /// Attempts that count against [`MOST_ATTEMPTS`].
@@ -161,6 +163,8 @@ pub struct NewJob {
     pub name: String,
     /// Free, searchable strings.
     pub references: BTreeMap<String, String>,
+    /// The program whose dry run it plans, if it was asked for as that.
+    pub dry_run_of: Option<ProgramId>,
 }
 
 /// What a running job knows of its attempt.
@@ -173,9 +177,10 @@ impl Job {
     /// Puts a new job into the queue.
     #[must_use]
     pub fn queue(new: NewJob, now: Moment) -> Self {
-        let NewJob { id, kind, name, references } = new;
-        let state = State::Queued { since: now };
-        Self { id, kind, name, references, created_at: now, attempts: 0, fence: 0, version: 1, state }
+        let NewJob { id, kind, name, references, dry_run_of } = new;
+        let (created_at, state) = (now, State::Queued { since: now });
+        let (attempts, fence, version) = (0, 0, 1);
+        Self { id, kind, name, references, dry_run_of, created_at, attempts, fence, version, state }
     }
 
     /// Starts an attempt and counts it.
@@ -330,7 +335,13 @@ mod tests {
     fn queued() -> Job {
         let id = JobId::new(T0, &[1; 10]);
         Job::queue(
-            NewJob { id, kind: "tape-cut".into(), name: String::new(), references: BTreeMap::new() },
+            NewJob {
+                id,
+                kind: "tape-cut".into(),
+                name: String::new(),
+                references: BTreeMap::new(),
+                dry_run_of: None,
+            },
             T0,
         )
     }

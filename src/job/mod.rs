@@ -6,5 +6,7 @@ pub mod id;
 pub mod life;
 pub mod moment;
 pub mod program;
+pub mod purpose;
 pub mod role;
 pub mod run;
+pub mod waiting;

@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use super::id::{EntryId, ProgramId, RunId};
 use super::moment::Moment;
+use super::purpose::Purpose;
 
 /// A run.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -27,6 +28,8 @@ pub struct Run {
     pub unit: i64,
     /// The program.
     pub program: ProgramId,
+    /// What the program is for.
+    pub purpose: Purpose,
     /// The SHA-256 of the program's content.
     pub sha256: String,
     /// The length of the program's content.
@@ -171,6 +174,8 @@ pub struct NewRun {
     pub unit: i64,
     /// The program.
     pub program: ProgramId,
+    /// What the program is for.
+    pub purpose: Purpose,
     /// The SHA-256 of the program's content.
     pub sha256: String,
     /// The length of the program's content.
@@ -219,12 +224,13 @@ impl Run {
     /// Offers a unit to a machine.
     #[must_use]
     pub fn offer(new: NewRun, now: Moment, lease_until: Moment) -> Self {
-        let NewRun { id, entry, unit, program, sha256, bytes, machine, request_id } = new;
+        let NewRun { id, entry, unit, program, purpose, sha256, bytes, machine, request_id } = new;
         Self {
             id,
             entry,
             unit,
             program,
+            purpose,
             sha256,
             bytes,
             machine,
@@ -457,6 +463,7 @@ mod tests {
             entry: EntryId::new(at(0), &[2; 10]),
             unit: 1,
             program: ProgramId::new(at(0), &[3; 10]),
+            purpose: Purpose::Production,
             sha256: "aa".into(),
             bytes: 7,
             machine: "lab".into(),

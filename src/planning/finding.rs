@@ -38,6 +38,8 @@ codes! {
     InvalidNumber,
     /// A field that no job document has.
     UnknownField,
+    /// A field that is there twice.
+    DuplicateField,
     /// A field that must be there is not.
     MissingField,
     /// A value of another type than its field holds.

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
+use super::drawing::stamp::stamped;
 use super::finding::{Finding, any_error};
 use super::json::written;
 
@@ -202,6 +203,7 @@ impl Outcome {
     ) -> Self {
         let programs = if usable { programs } else { Vec::new() };
         let verdict = if usable { Verdict::Usable } else { Verdict::NotUsable };
+        let drawings: Vec<_> = drawings.into_iter().map(|drawing| stamped(drawing, input_sha256)).collect();
         let report = Report::of(&Fields {
             kind,
             planner_version: PLANNER_VERSION,

@@ -1,10 +1,12 @@
 //! Approval and revocation of programs.
 
 use super::audit::{self, Deed};
+use super::programs::with_purpose;
 use super::{Error, Result, Store, Writing};
 use crate::job::id::ProgramId;
 use crate::job::moment::Moment;
 use crate::job::program::Standing;
+use crate::job::purpose::Purpose;
 
 impl Store {
     /// Approves a program, by naming the hash of the bytes that were looked at. Approving it again with the same
@@ -20,7 +22,7 @@ impl Store {
         }
         self.program_content(&program, now).await?;
         let mut tx = self.write().await?;
-        let before = standing(&mut tx, id).await?;
+        let (before, purpose) = standing(&mut tx, id).await?;
         refuse_without_machine(&mut tx, id).await?;
         let after = before.approve()?;
         if after != before {
@@ -32,7 +34,7 @@ impl Store {
                 .bind(now.unix_ms())
                 .execute(&mut *tx)
                 .await?;
-            let detail = serde_json::json!({"sha256": sha256});
+            let detail = with_purpose(serde_json::json!({"sha256": sha256}), purpose);
             let deed = Deed { at: now, actor, action: "program.approved", subject: id.as_str(), detail };
             audit::record(&mut tx, &deed).await?;
         }
@@ -45,7 +47,7 @@ impl Store {
     /// `NotFound`, `Standing` if its state does not admit it, `Database`.
     pub async fn revoke(&self, id: &ProgramId, reason: &str, actor: &str, now: Moment) -> Result<()> {
         let mut tx = self.write().await?;
-        let before = standing(&mut tx, id).await?;
+        let (before, purpose) = standing(&mut tx, id).await?;
         let after = before.revoke()?;
         if after != before {
             set(&mut tx, id, after).await?;
@@ -56,7 +58,7 @@ impl Store {
                 .bind(now.unix_ms())
                 .execute(&mut *tx)
                 .await?;
-            let detail = serde_json::json!({"reason": reason});
+            let detail = with_purpose(serde_json::json!({"reason": reason}), purpose);
             let deed = Deed { at: now, actor, action: "program.revoked", subject: id.as_str(), detail };
             audit::record(&mut tx, &deed).await?;
         }
@@ -64,13 +66,15 @@ impl Store {
     }
 }
 
-async fn standing(tx: &mut Writing, id: &ProgramId) -> Result<Standing> {
-    let row: Option<(String,)> = sqlx::query_as("SELECT state FROM programs WHERE id = $1")
-        .bind(id.as_str())
-        .fetch_optional(&mut **tx)
-        .await?;
-    let (word,) = row.ok_or(Error::NotFound)?;
-    Standing::of(&word).ok_or(Error::NotFound)
+async fn standing(tx: &mut Writing, id: &ProgramId) -> Result<(Standing, Purpose)> {
+    let row: Option<(String, String, Option<i64>)> =
+        sqlx::query_as("SELECT state, purpose, from_course FROM programs WHERE id = $1")
+            .bind(id.as_str())
+            .fetch_optional(&mut **tx)
+            .await?;
+    let (word, purpose, from_course) = row.ok_or(Error::NotFound)?;
+    let standing = Standing::of(&word).ok_or(Error::NotFound)?;
+    Ok((standing, Purpose::stored(&purpose, from_course)))
 }
 
 /// A program that was planned for no machine has not been held against its limits either.

@@ -8,11 +8,13 @@ use super::audit::{self, Deed};
 use super::events::note_stage;
 use super::files::files;
 use super::jobs::{close_attempt, find, input, record, save};
+use super::programs::with_purpose;
 use super::results::{Answer, insert_answer};
 use super::{Result, Store, Writing};
 use crate::job::id::{JobId, ProgramId, WorkerId};
 use crate::job::life::{Failure, Illegal, Job};
 use crate::job::moment::Moment;
+use crate::job::purpose::Purpose;
 use crate::planning::document::files::Files;
 
 /// What an attempt plans, frozen when the job was posted.
@@ -131,11 +133,11 @@ impl Store {
         let program = answer.program.as_ref().map(|program| program.id.clone());
         let job =
             before.clone().succeed(fence, answer.usable, program.clone(), answer.stages.clone(), now)?;
-        insert_answer(&mut tx, &job, answer, now).await?;
+        let purpose = insert_answer(&mut tx, &job, answer, now).await?;
         for (stage, at) in reached {
             note_stage(&mut tx, &job, stage, *at).await?;
         }
-        self.end(tx, before, job, "succeeded", now, program).await
+        self.end(tx, before, job, "succeeded", now, program.zip(Some(purpose))).await
     }
 
     /// Ends a job without an answer.
@@ -213,14 +215,14 @@ impl Store {
         job: Job,
         ending: &str,
         now: Moment,
-        program: Option<ProgramId>,
+        program: Option<(ProgramId, Purpose)>,
     ) -> Result<Job> {
         let actor = actor_of(&before);
         save(&mut tx, &job).await?;
         close_attempt(&mut tx, &before, ending, now).await?;
         record(&mut tx, &job, &actor, now).await?;
-        if let Some(program) = program {
-            let detail = serde_json::json!({"job": job.id});
+        if let Some((program, purpose)) = program {
+            let detail = with_purpose(serde_json::json!({"job": job.id}), purpose);
             let action = "program.drafted";
             let deed = Deed { at: now, actor: &actor, action, subject: program.as_str(), detail };
             audit::record(&mut tx, &deed).await?;

@@ -207,6 +207,7 @@ async fn give(tx: &mut Writing, claim: &Claim<'_>, entry: &Entry) -> Result<Run>
         entry: entry.id.clone(),
         unit,
         program: entry.program.clone(),
+        purpose: entry.purpose,
         sha256,
         bytes,
         machine: claim.machine.to_owned(),

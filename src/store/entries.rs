@@ -5,10 +5,12 @@ use sqlx::sqlite::SqliteConnection;
 
 use super::audit::{self, Deed};
 use super::claims::refuse_other_profile;
+use super::programs::with_purpose;
 use super::{Error, Result, Store, Writing};
 use crate::job::entry::{Entry, NewEntry, Units};
 use crate::job::id::{EntryId, ProgramId};
 use crate::job::moment::Moment;
+use crate::job::purpose::Purpose;
 
 /// What is put into a queue.
 #[derive(Debug, Clone)]
@@ -47,6 +49,8 @@ struct EntryRow {
     id: String,
     queue: String,
     program_id: String,
+    purpose: String,
+    from_course: Option<i64>,
     position: i64,
     quantity: i64,
     state: String,
@@ -67,6 +71,7 @@ impl TryFrom<EntryRow> for Entry {
             id: row.id.parse()?,
             queue: row.queue,
             program: row.program_id.parse()?,
+            purpose: Purpose::stored(&row.purpose, row.from_course),
             position: row.position,
             quantity: row.quantity,
             units: Units { given, done, scrapped, highest },
@@ -81,12 +86,12 @@ impl TryFrom<EntryRow> for Entry {
 macro_rules! entries_where {
     ($condition:literal) => {
         concat!(
-            "SELECT e.id, e.queue, e.program_id, e.position, e.quantity, e.state, e.created_at, e.version,
+            "SELECT e.id, e.queue, e.program_id, p.purpose, p.from_course, e.position, e.quantity, e.state, e.created_at, e.version,
                     COUNT(r.id) AS given,
                     COALESCE(SUM(CASE WHEN r.state = 'done' THEN 1 ELSE 0 END), 0) AS done,
                     COALESCE(SUM(r.scrapped), 0) AS scrapped,
                     COALESCE(MAX(r.unit), 0) AS highest
-             FROM entries e LEFT JOIN runs r ON r.entry_id = e.id AND r.returned = 0
+             FROM entries e JOIN programs p ON p.id = e.program_id LEFT JOIN runs r ON r.entry_id = e.id AND r.returned = 0
              WHERE ",
             $condition
         )
@@ -102,7 +107,7 @@ impl Store {
     pub async fn enqueue(&self, new: Enqueue<'_>) -> Result<Entry> {
         let mut tx = self.write().await?;
         refuse_unknown_queue(&mut tx, new.queue).await?;
-        refuse_dead_program(&mut tx, &new.program).await?;
+        let purpose = refuse_dead_program(&mut tx, &new.program).await?;
         refuse_other_profile(&mut tx, new.queue, &new.program).await?;
         let position = match new.position {
             Some(position) => position,
@@ -110,7 +115,7 @@ impl Store {
         };
         let Enqueue { id, program, quantity, actor, now, .. } = new;
         let queue = new.queue.to_owned();
-        let entry = Entry::queue(NewEntry { id, queue, program, position, quantity }, now)?;
+        let entry = Entry::queue(NewEntry { id, queue, program, purpose, position, quantity }, now)?;
         insert(&mut tx, &entry).await?;
         record(&mut tx, &entry, "entry.queued", actor, now).await?;
         tx.commit().await?;
@@ -134,7 +139,7 @@ impl Store {
         let rows: Vec<EntryRow> = sqlx::query_as(entries_where!(
             "e.queue = $1 AND ($2 IS NULL OR e.state = $2)
                AND ($3 IS NULL OR (e.position, e.id) > (SELECT position, id FROM entries WHERE id = $3))
-             GROUP BY e.id ORDER BY e.position, e.id LIMIT $4"
+             GROUP BY e.id, p.id ORDER BY e.position, e.id LIMIT $4"
         ))
         .bind(&filter.queue)
         .bind(&filter.state)
@@ -184,7 +189,7 @@ impl Store {
 
 /// An entry, within a transaction or outside.
 pub(super) async fn find(connection: &mut SqliteConnection, id: &EntryId) -> Result<Entry> {
-    let row: Option<EntryRow> = sqlx::query_as(entries_where!("e.id = $1 GROUP BY e.id"))
+    let row: Option<EntryRow> = sqlx::query_as(entries_where!("e.id = $1 GROUP BY e.id, p.id"))
         .bind(id.as_str())
         .fetch_optional(connection)
         .await?;
@@ -241,6 +246,7 @@ async fn record(tx: &mut Writing, entry: &Entry, action: &str, actor: &str, now:
         "queue": entry.queue, "program": entry.program, "position": entry.position,
         "quantity": entry.quantity, "state": entry.state.word()
     });
+    let detail = with_purpose(detail, entry.purpose);
     audit::record(tx, &Deed { at: now, actor, action, subject: entry.id.as_str(), detail }).await
 }
 
@@ -254,13 +260,19 @@ async fn refuse_unknown_queue(tx: &mut Writing, queue: &str) -> Result<()> {
 }
 
 /// A draft may wait for its approval in the queue; what was taken back or is damaged will not be approved.
-async fn refuse_dead_program(tx: &mut Writing, program: &ProgramId) -> Result<()> {
-    let row: Option<(String,)> = sqlx::query_as("SELECT state FROM programs WHERE id = $1")
-        .bind(program.as_str())
-        .fetch_optional(&mut **tx)
-        .await?;
-    let (state,) = row.ok_or(Error::NoProgram)?;
-    if ["draft", "approved"].contains(&state.as_str()) { Ok(()) } else { Err(Error::NotApproved { state }) }
+/// Gives back what it is for.
+async fn refuse_dead_program(tx: &mut Writing, program: &ProgramId) -> Result<Purpose> {
+    let row: Option<(String, String, Option<i64>)> =
+        sqlx::query_as("SELECT state, purpose, from_course FROM programs WHERE id = $1")
+            .bind(program.as_str())
+            .fetch_optional(&mut **tx)
+            .await?;
+    let (state, purpose, from_course) = row.ok_or(Error::NoProgram)?;
+    if ["draft", "approved"].contains(&state.as_str()) {
+        Ok(Purpose::stored(&purpose, from_course))
+    } else {
+        Err(Error::NotApproved { state })
+    }
 }
 
 async fn behind_all(tx: &mut Writing, queue: &str) -> Result<i64> {

@@ -48,7 +48,12 @@ async fn note(tx: &mut Writing, job: &JobId, at: Moment, kind: &str, data: &Valu
 pub(super) fn describe(job: &Job) -> Value {
     let mut data = json!({"state": job.state.word(), "attempt": job.fence});
     match &job.state {
-        State::Queued { .. } | State::Running { .. } => {}
+        State::Queued { .. } => {
+            if let Some(program) = &job.dry_run_of {
+                data["dry_run_of"] = json!(program);
+            }
+        }
+        State::Running { .. } => {}
         State::Succeeded { usable, program, .. } => {
             data["verdict"] = json!(verdict_word(*usable));
             data["program"] = json!(program);

@@ -8,7 +8,7 @@ use super::audit::{self, Deed};
 use super::events::{describe, note_state};
 use super::files::{files_sha256, insert_files};
 use super::{Error, Result, Store, Writing};
-use crate::job::id::JobId;
+use crate::job::id::{JobId, ProgramId};
 use crate::job::life::{Job, NewJob, State};
 use crate::job::moment::Moment;
 use crate::planning::document::files::Files;
@@ -66,6 +66,7 @@ struct JobRow {
     kind: String,
     name: String,
     labels: String,
+    dry_run_of: Option<String>,
     created_at: i64,
     attempts: i64,
     fence: i64,
@@ -82,6 +83,7 @@ impl TryFrom<JobRow> for Job {
             kind: row.kind,
             name: row.name,
             references: serde_json::from_str(&row.labels)?,
+            dry_run_of: row.dry_run_of.map(|id| id.parse()).transpose()?,
             created_at: Moment::from_unix_ms(row.created_at),
             attempts: u32::try_from(row.attempts).unwrap_or(u32::MAX),
             fence: row.fence,
@@ -92,7 +94,7 @@ impl TryFrom<JobRow> for Job {
 }
 
 impl Store {
-    /// Takes a job in, once for each idempotency key. When this returns, the job survives a power loss.
+    /// Takes a job in, once for each idempotency key, and once as the dry run of a program. When this returns, the job survives a power loss.
     ///
     /// # Errors
     /// `KeyReused`, `QueueFull`, `Database`.
@@ -101,6 +103,11 @@ impl Store {
         let mut tx = self.write().await?;
         if let Some(key) = post.key
             && let Some(job) = keyed(&mut tx, post.actor, key, &set_sha256).await?
+        {
+            return Ok(Posted { job, replayed: true });
+        }
+        if let Some(program) = &post.job.dry_run_of
+            && let Some(job) = dry_run_of(&mut tx, program).await?
         {
             return Ok(Posted { job, replayed: true });
         }
@@ -134,6 +141,16 @@ impl Store {
         keyed(&mut reader, actor, key, &set_sha256(body, files)).await
     }
 
+    /// The job that plans, or has planned, the dry run of a program: not one that has failed or was cancelled, nor one
+    /// whose program is out of use.
+    ///
+    /// # Errors
+    /// `Database`.
+    pub async fn dry_run_of(&self, program: &ProgramId) -> Result<Option<Job>> {
+        let mut reader = self.readers.acquire().await?;
+        dry_run_of(&mut reader, program).await
+    }
+
     /// A job.
     ///
     /// # Errors
@@ -150,7 +167,7 @@ impl Store {
     pub async fn jobs(&self, filter: &JobFilter) -> Result<Vec<Job>> {
         let (name, value) = filter.reference.clone().unzip();
         let rows: Vec<JobRow> = sqlx::query_as(
-            "SELECT id, kind, name, labels, created_at, attempts, fence, version, life FROM jobs
+            "SELECT id, kind, name, labels, dry_run_of, created_at, attempts, fence, version, life FROM jobs
              WHERE ($1 IS NULL OR state = $1)
                AND ($2 IS NULL OR kind = $2)
                AND ($3 IS NULL OR id IN (SELECT job_id FROM job_references WHERE name = $3 AND value = $4))
@@ -210,7 +227,7 @@ impl Store {
 /// A job, within a transaction or outside.
 pub(super) async fn find(connection: &mut SqliteConnection, id: &JobId) -> Result<Job> {
     let row: Option<JobRow> = sqlx::query_as(
-        "SELECT id, kind, name, labels, created_at, attempts, fence, version, life FROM jobs WHERE id = $1",
+        "SELECT id, kind, name, labels, dry_run_of, created_at, attempts, fence, version, life FROM jobs WHERE id = $1",
     )
     .bind(id.as_str())
     .fetch_optional(connection)
@@ -301,6 +318,22 @@ async fn keyed(
     }
 }
 
+async fn dry_run_of(connection: &mut SqliteConnection, program: &ProgramId) -> Result<Option<Job>> {
+    let row: Option<(String,)> = sqlx::query_as(
+        "SELECT j.id FROM jobs j LEFT JOIN programs p ON p.job_id = j.id
+         WHERE j.dry_run_of = $1 AND j.state NOT IN ('failed', 'cancelled')
+           AND (p.id IS NULL OR p.state IN ('draft', 'approved'))
+         ORDER BY j.id DESC LIMIT 1",
+    )
+    .bind(program.as_str())
+    .fetch_optional(&mut *connection)
+    .await?;
+    match row {
+        Some((id,)) => Ok(Some(find(connection, &id.parse()?).await?)),
+        None => Ok(None),
+    }
+}
+
 async fn refuse_when_full(tx: &mut Writing, most: i64) -> Result<()> {
     let (waiting,): (i64,) =
         sqlx::query_as("SELECT COUNT(*) FROM jobs WHERE state = 'queued'").fetch_one(&mut **tx).await?;
@@ -316,8 +349,9 @@ fn queued_since(job: &Job) -> Option<i64> {
 
 async fn insert(tx: &mut Writing, job: &Job) -> Result<()> {
     sqlx::query(
-        "INSERT INTO jobs (id, kind, name, labels, created_at, attempts, fence, version, state, queued_since, life)
-         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11)",
+        "INSERT INTO jobs (id, kind, name, labels, created_at, attempts, fence, version, state, queued_since, life,
+                           dry_run_of)
+         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12)",
     )
     .bind(job.id.as_str())
     .bind(&job.kind)
@@ -330,6 +364,7 @@ async fn insert(tx: &mut Writing, job: &Job) -> Result<()> {
     .bind(job.state.word())
     .bind(queued_since(job))
     .bind(serde_json::to_string(&job.state)?)
+    .bind(job.dry_run_of.as_ref().map(ProgramId::as_str))
     .execute(&mut **tx)
     .await?;
     Ok(())

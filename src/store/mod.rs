@@ -21,6 +21,7 @@ mod open;
 pub mod programs;
 pub mod results;
 pub mod runs;
+pub mod waiting;
 
 use sqlx::{Sqlite, SqlitePool, Transaction};
 

@@ -1,11 +1,15 @@
 //! Programs: immutable bytes with the hash they were stored with. Bytes that do not fit their hash any more are
 //! never given out; the program is quarantined instead.
 
+use serde_json::{Value, json};
+
 use super::audit::{self, Deed};
 use super::{Error, Result, Store, Writing};
 use crate::job::id::{JobId, ProgramId};
 use crate::job::life::Job;
 use crate::job::moment::Moment;
+use crate::job::program::Standing;
+use crate::job::purpose::Purpose;
 use crate::planning::outcome::sha256_hex;
 
 /// A program to be kept.
@@ -39,6 +43,8 @@ pub struct Program {
     pub job: JobId,
     /// The job's kind.
     pub kind: String,
+    /// What it is for.
+    pub purpose: Purpose,
     /// `draft`, `approved`, `superseded`, `revoked` or `quarantined`.
     pub state: String,
     /// The name of its content.
@@ -56,6 +62,23 @@ pub struct Program {
     /// Its files.
     pub files: Vec<FileEntry>,
 }
+
+impl Program {
+    /// Whether it may be approved or given out, now or later.
+    #[must_use]
+    pub fn is_in_use(&self) -> bool {
+        matches!(Standing::of(&self.state), Some(Standing::Draft | Standing::Approved))
+    }
+
+    /// Whether a dry run of it can be planned: of what cuts tape, and is none itself.
+    #[must_use]
+    pub fn has_dry_run(&self) -> bool {
+        self.kind == WITH_DRY_RUN && !matches!(self.purpose, Purpose::DryRun { .. })
+    }
+}
+
+/// The kind of job whose programs have dry runs.
+const WITH_DRY_RUN: &str = "tape-cut";
 
 /// A file of a program, without its bytes.
 #[derive(Debug, Clone, PartialEq, Eq, sqlx::FromRow)]
@@ -90,6 +113,8 @@ struct ProgramRow {
     id: String,
     job_id: String,
     kind: String,
+    purpose: String,
+    from_course: Option<i64>,
     state: String,
     content_name: String,
     media_type: String,
@@ -105,6 +130,7 @@ impl ProgramRow {
             id: self.id.parse()?,
             job: self.job_id.parse()?,
             kind: self.kind,
+            purpose: Purpose::stored(&self.purpose, self.from_course),
             state: self.state,
             content_name: self.content_name,
             media_type: self.media_type,
@@ -124,7 +150,8 @@ impl Store {
     /// `NotFound`, `Database`.
     pub async fn program(&self, id: &ProgramId) -> Result<Program> {
         let row: Option<ProgramRow> = sqlx::query_as(
-            "SELECT id, job_id, kind, state, content_name, media_type, sha256, bytes, created_at, version
+            "SELECT id, job_id, kind, purpose, from_course, state, content_name, media_type, sha256, bytes,
+                    created_at, version
              FROM programs WHERE id = $1",
         )
         .bind(id.as_str())
@@ -139,7 +166,8 @@ impl Store {
     /// `Database`.
     pub async fn programs(&self, filter: &ProgramFilter) -> Result<Vec<Program>> {
         let rows: Vec<ProgramRow> = sqlx::query_as(
-            "SELECT id, job_id, kind, state, content_name, media_type, sha256, bytes, created_at, version
+            "SELECT id, job_id, kind, purpose, from_course, state, content_name, media_type, sha256, bytes,
+                    created_at, version
              FROM programs
              WHERE ($1 IS NULL OR state = $1) AND ($2 IS NULL OR job_id = $2) AND ($3 IS NULL OR sha256 = $3)
                AND ($4 IS NULL OR id < $4)
@@ -263,10 +291,28 @@ async fn quarantine(tx: &mut Writing, id: &ProgramId, name: &str, found: &str, n
     if changed.rows_affected() == 0 {
         return Ok(());
     }
-    let detail = serde_json::json!({"file": name, "found_sha256": found});
+    let detail = json!({"file": name, "found_sha256": found});
     let deed =
         Deed { at: now, actor: "service", action: "program.quarantined", subject: id.as_str(), detail };
     audit::record(tx, &deed).await
+}
+
+/// What an audit row says about a program, with what the program is for.
+pub(super) fn with_purpose(mut detail: Value, purpose: Purpose) -> Value {
+    detail["purpose"] = json!(purpose);
+    if let Some(number) = purpose.from_course() {
+        detail["from_course"] = json!(number);
+    }
+    detail
+}
+
+/// What a report says of the program that came with it.
+#[derive(Debug, Clone)]
+pub(super) struct Planned {
+    /// The profile that it was planned for.
+    pub profile_sha256: Option<String>,
+    /// What it is for.
+    pub purpose: Purpose,
 }
 
 /// Writes a program and its files.
@@ -274,7 +320,7 @@ pub(super) async fn insert_program(
     tx: &mut Writing,
     job: &Job,
     program: &NewProgram,
-    profile_sha256: Option<String>,
+    planned: Planned,
     now: Moment,
 ) -> Result<()> {
     let first = program.files.first().ok_or(Error::NotFound)?;
@@ -287,8 +333,8 @@ pub(super) async fn insert_program(
     sqlx::query(
         "INSERT INTO programs
          (id, job_id, kind, state, content_position, content_name, media_type, sha256, bytes, created_at, version,
-          profile_sha256)
-         VALUES ($1, $2, $3, 'draft', $4, $5, $6, $7, $8, $9, 1, $10)",
+          profile_sha256, purpose, from_course)
+         VALUES ($1, $2, $3, 'draft', $4, $5, $6, $7, $8, $9, 1, $10, $11, $12)",
     )
     .bind(program.id.as_str())
     .bind(job.id.as_str())
@@ -299,7 +345,9 @@ pub(super) async fn insert_program(
     .bind(sha256_hex(&content.body))
     .bind(i64::try_from(content.body.len()).unwrap_or(i64::MAX))
     .bind(now.unix_ms())
-    .bind(profile_sha256)
+    .bind(planned.profile_sha256)
+    .bind(planned.purpose.word())
+    .bind(planned.purpose.from_course())
     .execute(&mut **tx)
     .await?;
     let archive = program.archive.iter().map(|file| (0, file));

@@ -1,10 +1,11 @@
 //! What a job gave: its report, its drawings, its program.
 
-use super::programs::{NewProgram, insert_program};
+use super::programs::{NewProgram, Planned, insert_program};
 use super::{Error, Result, Store, Writing};
 use crate::job::id::JobId;
 use crate::job::life::{Job, StageTime};
 use crate::job::moment::Moment;
+use crate::job::purpose::Purpose;
 use crate::planning::outcome::sha256_hex;
 
 /// What an attempt gives back to be kept.
@@ -78,8 +79,13 @@ impl Store {
     }
 }
 
-/// Writes report, drawings and program.
-pub(super) async fn insert_answer(tx: &mut Writing, job: &Job, answer: &Answer, now: Moment) -> Result<()> {
+/// Writes report, drawings and program, and gives back what the program is for.
+pub(super) async fn insert_answer(
+    tx: &mut Writing,
+    job: &Job,
+    answer: &Answer,
+    now: Moment,
+) -> Result<Purpose> {
     sqlx::query("INSERT INTO reports (job_id, sha256, body) VALUES ($1, $2, $3)")
         .bind(job.id.as_str())
         .bind(sha256_hex(&answer.report))
@@ -95,22 +101,28 @@ pub(super) async fn insert_answer(tx: &mut Writing, job: &Job, answer: &Answer, 
             .execute(&mut **tx)
             .await?;
     }
-    match &answer.program {
-        Some(program) => insert_program(tx, job, program, planned_for(&answer.report)?, now).await,
-        None => Ok(()),
+    let planned = planned(&answer.report)?;
+    let purpose = planned.purpose;
+    if let Some(program) = &answer.program {
+        insert_program(tx, job, program, planned, now).await?;
     }
+    Ok(purpose)
 }
 
-/// The profile that a report says its program was planned for.
-fn planned_for(report: &[u8]) -> Result<Option<String>> {
+/// What a report says of its program: for which profile it was planned, and for what.
+fn planned(report: &[u8]) -> Result<Planned> {
     #[derive(serde::Deserialize)]
     struct Report {
         machine: Option<Machine>,
+        from_course: Option<u32>,
+        #[serde(default)]
+        dry_run: bool,
     }
     #[derive(serde::Deserialize)]
     struct Machine {
         profile_sha256: String,
     }
     let report: Report = serde_json::from_slice(report)?;
-    Ok(report.machine.map(|machine| machine.profile_sha256))
+    let purpose = Purpose::of(report.dry_run, report.from_course);
+    Ok(Planned { profile_sha256: report.machine.map(|machine| machine.profile_sha256), purpose })
 }

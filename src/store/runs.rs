@@ -5,10 +5,11 @@ use sqlx::sqlite::SqliteConnection;
 
 use super::audit::{self, Deed};
 use super::claims::{refuse_held, refuse_other_profile};
-use super::programs::{Program, Soundness, soundness};
+use super::programs::{Program, Soundness, soundness, with_purpose};
 use super::{Error, Result, Store, Writing, entries};
 use crate::job::id::{EntryId, ProgramId, RunId};
 use crate::job::moment::Moment;
+use crate::job::purpose::Purpose;
 use crate::job::run::{Course, Ending, Illegal, Resolution, Run, Sign};
 
 /// Which runs are asked for.
@@ -34,6 +35,8 @@ pub(super) struct RunRow {
     entry_id: String,
     unit: i64,
     program_id: String,
+    purpose: String,
+    from_course: Option<i64>,
     sha256: String,
     bytes: i64,
     machine: String,
@@ -56,6 +59,7 @@ impl TryFrom<RunRow> for Run {
             entry: row.entry_id.parse()?,
             unit: row.unit,
             program: row.program_id.parse()?,
+            purpose: Purpose::stored(&row.purpose, row.from_course),
             sha256: row.sha256,
             bytes: row.bytes,
             machine: row.machine,
@@ -76,7 +80,9 @@ macro_rules! runs_where {
     ($condition:literal) => {
         concat!(
             "SELECT id, entry_id, unit, program_id, sha256, bytes, machine, request_id, fence, state, returned,
-                    lease_until, created_at, version, life
+                    lease_until, created_at, version, life,
+                    (SELECT p.purpose FROM programs p WHERE p.id = runs.program_id) AS purpose,
+                    (SELECT p.from_course FROM programs p WHERE p.id = runs.program_id) AS from_course
              FROM runs WHERE ",
             $condition
         )
@@ -318,10 +324,11 @@ async fn record(tx: &mut Writing, run: &Run, actor: &str, now: Moment) -> Result
 
 /// What an auditor asks of a run: which bytes, where, for what, with what, and who decided.
 fn describe(run: &Run) -> Value {
-    let mut detail = json!({
+    let detail = json!({
         "entry": run.entry, "unit": run.unit, "program": run.program, "sha256": run.sha256,
         "machine": run.machine, "fence": run.fence
     });
+    let mut detail = with_purpose(detail, run.purpose);
     if !run.state.is_live() {
         detail["returned"] = json!(run.returned);
         detail["reason"] = json!(run.course.reason);

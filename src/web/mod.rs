@@ -10,6 +10,7 @@ use axum::routing::get;
 use crate::http::problem::{Answer, Problem};
 use crate::http::service::Service;
 use crate::job::life::{Job, State as JobState};
+use crate::job::purpose::Purpose;
 use crate::planning::outcome::PLANNER_VERSION;
 use crate::store::Store;
 use crate::store::jobs::JobFilter;
@@ -72,7 +73,8 @@ impl Index {
         let mut jobs = Vec::new();
         for job in store.jobs(&JobFilter { limit: JOBS, ..JobFilter::default() }).await? {
             let drawings = store.drawing_names(&job.id).await?;
-            jobs.push(row(job, drawings));
+            let purpose = purpose(store, &job).await?;
+            jobs.push(row(job, drawings, purpose));
         }
         let busy = count("queued").1 + count("running").1 > 0;
         let counts = JobState::WORDS.into_iter().map(count).collect();
@@ -80,11 +82,19 @@ impl Index {
     }
 }
 
-fn row(job: Job, drawings: Vec<String>) -> Row {
+/// What the program of a job is for, if it has one.
+async fn purpose(store: &Store, job: &Job) -> Answer<Purpose> {
+    match &job.state {
+        JobState::Succeeded { program: Some(program), .. } => Ok(store.program(program).await?.purpose),
+        _ => Ok(Purpose::default()),
+    }
+}
+
+fn row(job: Job, drawings: Vec<String>, purpose: Purpose) -> Row {
     let (remark, program) = match &job.state {
         JobState::Queued { .. } => (String::new(), None),
         JobState::Running { stage, .. } => (stage.clone().unwrap_or_default(), None),
-        JobState::Succeeded { program: Some(program), .. } => ("usable".into(), Some(program.to_string())),
+        JobState::Succeeded { program: Some(program), .. } => (usable(purpose), Some(program.to_string())),
         JobState::Succeeded { program: None, .. } => ("no usable program: see the report".into(), None),
         JobState::Failed { failure, .. } => (failure.detail.clone(), None),
         JobState::Cancelled { reason, .. } => (reason.clone().unwrap_or_default(), None),
@@ -100,4 +110,9 @@ fn row(job: Job, drawings: Vec<String>) -> Row {
         program,
         drawings,
     }
+}
+
+/// A program that is no ordinary one says so at once.
+fn usable(purpose: Purpose) -> String {
+    purpose.warning().map_or_else(|| "usable".to_owned(), |words| format!("usable. {words}"))
 }

@@ -55,6 +55,19 @@ fn it_says_that_it_lives_and_what_it_is() {
 }
 
 #[test]
+fn with_keys_the_page_says_what_to_do_and_shows_nothing() {
+    let served = Served::start(&["--workers", "0"]);
+    served.posted(&small_job("a secret name"));
+    served.key("engineer", "erika", None);
+    let page = served.get("/").send().unwrap().text().unwrap();
+    for words in ["<b>Authorize</b>", "Authorization: Bearer KEY", "bladeplan key create --role engineer"] {
+        assert!(page.contains(words), "{words}: {page}");
+    }
+    let shown = ["a secret name", "job_", "queued", "/v1/jobs\"", "<form", "<script"];
+    assert!(shown.iter().all(|words| !page.contains(words)), "{page}");
+}
+
+#[test]
 fn the_page_shows_the_jobs_and_no_text_of_theirs_becomes_markup() {
     let served = Served::start(&["--workers", "0"]);
     assert!(served.get("/").send().unwrap().text().unwrap().contains("No job yet"));

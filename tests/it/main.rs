@@ -6,6 +6,7 @@ mod accepted;
 mod cli;
 mod craft;
 mod docker;
+mod dry_runs;
 mod files;
 mod golden;
 mod honeycomb;

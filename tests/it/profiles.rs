@@ -4,6 +4,7 @@ use std::path::Path;
 
 use bladeplan::planning::attempt::plan;
 use bladeplan::planning::budget::Budget;
+use bladeplan::planning::catalogue::Profile;
 use bladeplan::planning::document;
 use bladeplan::planning::document::files::Files;
 use bladeplan::planning::finding::{Code, Finding};
@@ -47,4 +48,33 @@ pub fn plan_job(job: &Value, machine: &Value, options: &Value) -> Result<Outcome
 pub fn refused(machine: &Value) -> Vec<(Code, String)> {
     let faults = plan_job(&job("examples/first.job.json"), machine, &json!(null)).unwrap_err();
     faults.into_iter().map(|fault| (fault.code, fault.at)).collect()
+}
+
+/// The profile of docs/jobs.md, with what stands there in short ("as cutter 1") written out.
+fn documented() -> Value {
+    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/jobs.md")).unwrap();
+    let (_, rest) = text.split_once("`two-cutter-lab` is exactly this\n```jsonc\n").unwrap();
+    let (block, _) = rest.split_once("```").unwrap();
+    let plain: Vec<&str> = block.lines().map(|line| line.split(" //").next().unwrap()).collect();
+    let mut profile: Value = serde_json::from_str(&plain.join("\n")).unwrap();
+    let first = profile["cutters"][0].clone();
+    for part in ["lateral", "blade", "knife"] {
+        let second = profile["cutters"][1][part].as_object_mut().unwrap();
+        assert_eq!(second.remove("\u{2026}"), Some(json!("as cutter 1")));
+        for (name, value) in first[part].as_object().unwrap() {
+            second.entry(name).or_insert_with(|| value.clone());
+        }
+    }
+    profile
+}
+
+#[test]
+fn the_example_profile_is_the_built_in_one_and_that_of_the_documents() {
+    let example = job("examples/two-cutter-lab.machine.json")["profile"].clone();
+    assert_eq!(example, documented());
+    // As both are read: 500 and 500.0 are the same there.
+    let read = |profile: &Value| document::typed::<Profile>(profile.clone(), "").unwrap();
+    let (example, built_in) = (read(&example), read(&lab()));
+    assert_eq!(serde_json::to_value(&example).unwrap(), serde_json::to_value(&built_in).unwrap());
+    assert_eq!(example.fingerprint(), built_in.fingerprint());
 }

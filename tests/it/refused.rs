@@ -48,6 +48,14 @@ fn refusal(bytes: &[u8]) -> Vec<Finding> {
 }
 
 #[test]
+fn a_number_that_cannot_be_held_is_told_its_limit() {
+    let (_, bytes, _) = cases().into_iter().find(|(path, ..)| path.ends_with("number-1e400.json")).unwrap();
+    let faults = refusal(&bytes);
+    assert!(faults[0].message.ends_with("it must lie between 1 and 2000"), "{}", faults[0].message);
+    assert!(faults[0].message.contains("at most 1.797"), "{}", faults[0].message);
+}
+
+#[test]
 fn each_is_refused_for_exactly_its_faults() {
     let cases = cases();
     assert!(cases.len() >= 40, "only {} refused inputs found", cases.len());

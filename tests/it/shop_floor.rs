@@ -13,7 +13,8 @@ pub fn profile(name: &str) -> Value {
     profile
 }
 
-fn execute(served: &Served, statement: &'static str) {
+/// Changes the store behind the service's back.
+pub fn execute(served: &Served, statement: &'static str) {
     let url = format!("sqlite:{}", served.database().display());
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
     runtime.block_on(async {

@@ -1,16 +1,22 @@
 //! The store by itself: fences, recovery, the audit trail.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use bladeplan::job::id::{JobId, ProgramId, WorkerId};
 use bladeplan::job::life::{Illegal, NewJob, State};
 use bladeplan::job::moment::Moment;
+use bladeplan::job::purpose::Purpose;
 use bladeplan::planning::document::files::Files;
 use bladeplan::store::attempts::Lost;
 use bladeplan::store::jobs::Post;
 use bladeplan::store::programs::{NewFile, NewProgram};
 use bladeplan::store::results::Answer;
 use bladeplan::store::{Error, Store};
+use sqlx::Connection;
+use sqlx::migrate::Migrator;
+use sqlx::sqlite::SqliteConnection;
 use tempfile::TempDir;
 
 const fn at(ms: i64) -> Moment {
@@ -27,7 +33,8 @@ async fn posted(store: &Store, number: u8) -> JobId {
 
 async fn keyed(store: &Store, number: u8, actor: &str, key: Option<&str>) -> Result<JobId, Error> {
     let id = JobId::new(at(i64::from(number)), &[number; 10]);
-    let job = NewJob { id, kind: "tape-cut".into(), name: "x".into(), references: BTreeMap::new() };
+    let (kind, name, references) = ("tape-cut".into(), "x".into(), BTreeMap::new());
+    let job = NewJob { id, kind, name, references, dry_run_of: None };
     let now = at(i64::from(number));
     let files = &Files::default();
     let post = Post { job, body: b"{}", files, machines: "[]", key, most_queued: 100, actor, now };
@@ -180,4 +187,51 @@ async fn posts_at_the_same_time_with_one_key_give_one_job() {
     let mut ids = posts.join_all().await;
     ids.dedup();
     assert_eq!(ids.len(), 1);
+}
+
+/// A store from before programs had a purpose: the names of its programs say it.
+#[tokio::test]
+async fn programs_from_before_purposes_get_theirs_from_their_names() {
+    let folder = TempDir::new().unwrap();
+    let url = format!("sqlite:{}?mode=rwc", folder.path().join("x.db").display());
+    let migrations =
+        Migrator::new(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/migrations/sqlite"))).await.unwrap();
+    let before = migrations.iter().filter(|migration| migration.version < 8).cloned().collect();
+    let mut connection = SqliteConnection::connect(&url).await.unwrap();
+    Migrator { migrations: Cow::Owned(before), ..Migrator::DEFAULT }.run(&mut connection).await.unwrap();
+    let cases = [
+        ("tape-cut", "roll.ngc", Purpose::Production),
+        ("tape-cut", "roll-dry-run.mpf", Purpose::DryRun { from_course: None }),
+        ("tape-cut", "roll-from-course-12.ngc", Purpose::Restart { from_course: 12 }),
+        ("tape-cut", "roll-from-course-7-dry-run.ngc", Purpose::DryRun { from_course: Some(7) }),
+        ("honeycomb-cut", "core.zip", Purpose::Production),
+    ];
+    for (number, (kind, name, _)) in (1_u8..).zip(cases) {
+        let (job, program) = (JobId::new(at(0), &[number; 10]), ProgramId::new(at(0), &[number; 10]));
+        sqlx::query(
+            "INSERT INTO jobs (id, kind, name, labels, created_at, attempts, fence, version, state, life)
+                     VALUES ($1, $2, '', '{}', 0, 1, 1, 1, 'failed', '{}')",
+        )
+        .bind(job.as_str())
+        .bind(kind)
+        .execute(&mut connection)
+        .await
+        .unwrap();
+        sqlx::query("INSERT INTO programs (id, job_id, kind, state, content_position, content_name, media_type, sha256,
+                                           bytes, created_at, version)
+                     VALUES ($1, $2, $3, 'draft', 1, $4, 'text/plain', 'aa', 1, 0, 1)")
+            .bind(program.as_str())
+            .bind(job.as_str())
+            .bind(kind)
+            .bind(name)
+            .execute(&mut connection)
+            .await
+            .unwrap();
+    }
+    connection.close().await.unwrap();
+    let store = open(&folder).await;
+    for (number, (_, name, purpose)) in (1_u8..).zip(cases) {
+        let program = store.program(&ProgramId::new(at(0), &[number; 10])).await.unwrap();
+        assert_eq!((program.content_name.as_str(), program.purpose), (name, purpose));
+    }
 }

@@ -21,7 +21,9 @@ use crate::http::caller::Caller;
 use crate::http::extract::{Body, Path};
 use crate::http::problem::{Answer, Problem, ProblemBody, ProblemCode};
 use crate::http::service::Service;
+use crate::job::entry::Entry;
 use crate::job::id::RunId;
+use crate::job::waiting::WaitingFor;
 use crate::store::claims::{Claim, Claimed, Peek};
 
 /// The addresses.
@@ -66,6 +68,9 @@ pub struct NextBody {
     /// Which unit of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     unit: Option<i64>,
+    /// The first ten entries in its queues that this machine is not given, each with what it waits for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    waiting: Vec<EntryBody>,
 }
 
 /// Who holds a machine
@@ -166,14 +171,23 @@ async fn peek_next(
 ) -> Answer<Response> {
     caller.speaks_for(&machine)?;
     let peek = service.store().peek(&machine).await?;
+    let waiting = service.store().waiting_at(&machine).await?;
     if wants_text(&headers) {
         let kind = [(header::CONTENT_TYPE, "text/plain; charset=utf-8")];
-        return Ok((kind, lines(&machine, &peek)).into_response());
+        return Ok((kind, lines(&machine, &peek, &waiting)).into_response());
     }
     let (entry, unit) = peek.next.unzip();
     let held = peek.hold.map(|(by, reason)| HeldBody { by, reason });
-    let (run, entry) = (peek.run.map(RunBody::from), entry.map(EntryBody::from));
-    Ok(Json(NextBody { machine, held, run, entry, unit }).into_response())
+    let run = peek.run.map(RunBody::from);
+    let entry = match entry {
+        Some(entry) => {
+            let waiting_for = service.store().waiting_for_machine(&entry, &machine).await?;
+            Some(EntryBody::new(entry, waiting_for))
+        }
+        None => None,
+    };
+    let waiting = waiting.into_iter().map(|(entry, found)| EntryBody::new(entry, Some(found))).collect();
+    Ok(Json(NextBody { machine, held, run, entry, unit, waiting }).into_response())
 }
 
 fn wants_text(headers: &HeaderMap) -> bool {
@@ -182,26 +196,35 @@ fn wants_text(headers: &HeaderMap) -> bool {
 }
 
 /// The same for a terminal: one fact a line.
-fn lines(machine: &str, peek: &Peek) -> String {
+fn lines(machine: &str, peek: &Peek, waiting: &[(Entry, WaitingFor)]) -> String {
     let mut text = format!("machine  {machine}\n");
     let mut line = |word: &str, what: &str| {
+        // Some of it a person typed; on a terminal it stays one line.
+        let what: String = what.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
         // Writing to a text does not fail.
         let _ = writeln!(text, "{word:<8} {what}");
     };
     if let Some((by, reason)) = &peek.hold {
-        // A reason is what a person typed; on a terminal it stays one line.
-        let reason: String = reason.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
         line("held", &format!("by {by}: {reason}"));
+        line("", &format!("an operator takes the hold back: DELETE /v1/machines/{machine}/hold"));
     }
     if let Some(run) = &peek.run {
         line("run", &format!("{} {} fence {}", run.id, run.state.word(), run.fence));
+        run.purpose.warning().iter().for_each(|words| line("", words));
     }
     match &peek.next {
         Some((entry, unit)) => {
             line("next", &format!("unit {unit} of {} of {}", entry.quantity, entry.id));
             line("program", entry.program.as_str());
+            line("purpose", entry.purpose.word());
+            entry.purpose.warning().iter().for_each(|words| line("", words));
         }
-        None => line("next", "nothing waits"),
+        None if waiting.is_empty() => line("next", "nothing waits"),
+        None => line("next", "nothing that this machine can be given"),
+    }
+    for (entry, found) in waiting {
+        line("waiting", &format!("{} for {}", entry.id, found.code.word()));
+        line("", &found.detail);
     }
     text
 }

@@ -10,7 +10,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::jobs::page_limit;
-use super::wire::program_address;
+use super::wire::{PurposeWord, program_address};
 use crate::clock;
 use crate::http::caller::Caller;
 use crate::http::extract::{Body, Path, Query};
@@ -18,6 +18,8 @@ use crate::http::problem::{Answer, Problem, ProblemBody, ProblemCode, of_entry};
 use crate::http::service::Service;
 use crate::job::entry::{Entry, EntryState, MOST_UNITS};
 use crate::job::id::{EntryId, ProgramId};
+use crate::job::purpose::Purpose;
+use crate::job::waiting::{WaitingFor, Wanted};
 use crate::store::entries::{Enqueue, EntryFilter};
 
 /// The addresses.
@@ -79,6 +81,12 @@ pub struct EntryBody {
     queue: String,
     /// The program.
     program: String,
+    /// What the program is for: production, dry_run or restart.
+    #[schema(value_type = PurposeWord)]
+    purpose: Purpose,
+    /// The course from which on the program goes, if not from the start.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    from_course: Option<u32>,
     /// queued, assigned, finished or cancelled.
     #[schema(value_type = String, example = "queued")]
     state: EntryState,
@@ -88,6 +96,9 @@ pub struct EntryBody {
     quantity: i64,
     /// What became of them so far.
     units: UnitsBody,
+    /// Why it is given to no machine, if that is more than its turn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    waiting_for: Option<WaitingForBody>,
     /// When it was made.
     #[schema(format = DateTime)]
     created_at: String,
@@ -103,10 +114,32 @@ pub struct UnitsBody {
     waiting: i64,
     /// They are at machines, or wait for a person's word.
     out: i64,
-    /// They are cut.
+    /// Their runs are done.
     done: i64,
+    /// Of those done, units of production: all of a production program, none of a dry run or of the rest of a roll.
+    /// This is the number to add up over the entries of a work order.
+    produced: i64,
     /// They are lost.
     scrapped: i64,
+}
+
+/// What an entry waits for beside its turn
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = WaitingFor)]
+pub struct WaitingForBody {
+    /// approval, replacement (the program is dead), machine (none has its profile), release (a hold) or resolution (a
+    /// suspect run).
+    #[schema(value_type = String, example = "approval")]
+    code: Wanted,
+    /// The same for people, with what to do next.
+    detail: String,
+}
+
+impl From<WaitingFor> for WaitingForBody {
+    fn from(waiting: WaitingFor) -> Self {
+        let WaitingFor { code, detail } = waiting;
+        Self { code, detail }
+    }
 }
 
 /// Where to go from an entry
@@ -132,9 +165,11 @@ pub struct EntryPageBody {
     next_cursor: Option<String>,
 }
 
-impl From<Entry> for EntryBody {
-    fn from(entry: Entry) -> Self {
-        let units = entry.units;
+impl EntryBody {
+    /// An entry with what it waits for.
+    #[must_use]
+    pub fn new(entry: Entry, waiting_for: Option<WaitingFor>) -> Self {
+        let (units, produced) = (entry.units, entry.produced());
         let waiting = match entry.state {
             EntryState::Cancelled => 0,
             _ => entry.quantity - units.given,
@@ -149,10 +184,13 @@ impl From<Entry> for EntryBody {
             id: entry.id.to_string(),
             queue: entry.queue,
             program: entry.program.to_string(),
+            purpose: entry.purpose,
+            from_course: entry.purpose.from_course(),
             state: entry.state,
             position: entry.position,
             quantity: entry.quantity,
-            units: UnitsBody { waiting, out, done: units.done, scrapped: units.scrapped },
+            units: UnitsBody { waiting, out, done: units.done, produced, scrapped: units.scrapped },
+            waiting_for: waiting_for.map(WaitingForBody::from),
             created_at: entry.created_at.to_string(),
         }
     }
@@ -183,7 +221,7 @@ async fn post_entry(
     let new = Enqueue { id, queue: &queue, program, position, quantity, actor: &caller.actor, now };
     let entry = service.store().enqueue(new).await?;
     let location = [(header::LOCATION, entry_address(&entry))];
-    Ok((StatusCode::CREATED, location, Json(EntryBody::from(entry))).into_response())
+    Ok((StatusCode::CREATED, location, Json(shown(&service, entry).await?)).into_response())
 }
 
 /// List the entries of a queue, in its order
@@ -209,7 +247,11 @@ async fn list_entries(
     let more = entries.len() as i64 > limit;
     entries.truncate(usize::try_from(limit).unwrap_or_default());
     let next_cursor = entries.last().filter(|_| more).map(|last| last.id.to_string());
-    Ok(Json(EntryPageBody { entries: entries.into_iter().map(EntryBody::from).collect(), next_cursor }))
+    let mut page = Vec::with_capacity(entries.len());
+    for entry in entries {
+        page.push(shown(&service, entry).await?);
+    }
+    Ok(Json(EntryPageBody { entries: page, next_cursor }))
 }
 
 /// Look at an entry
@@ -222,7 +264,8 @@ async fn get_entry(
     State(service): State<Service>,
     Path(path): Path<(String, String)>,
 ) -> Answer<Json<EntryBody>> {
-    Ok(Json(named(&service, &path).await?.into()))
+    let entry = named(&service, &path).await?;
+    Ok(Json(shown(&service, entry).await?))
 }
 
 /// Change the place or the quantity of an entry
@@ -244,7 +287,7 @@ async fn amend_entry(
     let (position, quantity) = (request.position, request.quantity);
     let amended =
         service.store().amend_entry(&entry.id, position, quantity, &caller.actor, clock::now()).await;
-    Ok(Json(amended.map_err(of_entry)?.into()))
+    Ok(Json(shown(&service, amended.map_err(of_entry)?).await?))
 }
 
 /// Cancel an entry
@@ -263,7 +306,13 @@ async fn cancel_entry(
 ) -> Answer<Json<EntryBody>> {
     let entry = named(&service, &path).await?;
     let cancelled = service.store().cancel_entry(&entry.id, &caller.actor, clock::now()).await;
-    Ok(Json(cancelled.map_err(of_entry)?.into()))
+    Ok(Json(shown(&service, cancelled.map_err(of_entry)?).await?))
+}
+
+/// An entry with what it waits for.
+async fn shown(service: &Service, entry: Entry) -> Answer<EntryBody> {
+    let waiting_for = service.store().waiting_for(&entry).await?;
+    Ok(EntryBody::new(entry, waiting_for))
 }
 
 /// The entry of an address: in the queue that the address names, or nowhere.

@@ -3,6 +3,7 @@
 pub mod approvals;
 pub mod audit;
 pub mod claims;
+pub mod dry_runs;
 pub mod entries;
 pub mod events;
 pub mod jobs;
@@ -25,6 +26,7 @@ pub fn routes() -> OpenApiRouter<Service> {
         .merge(jobs::routes())
         .merge(programs::routes())
         .merge(approvals::routes())
+        .merge(dry_runs::routes())
         .merge(machines::routes())
         .merge(audit::routes())
         .merge(entries::routes())

@@ -106,7 +106,9 @@ async fn take_in(
         return accepted(service, Posted { job, replayed: true }).await;
     }
     let machines = service.machines().await?;
-    let label = checked(service, &taken, &machines, validate_only).await?;
+    let (body, files) = (Arc::clone(&taken.job), Arc::clone(&taken.files));
+    let label =
+        checked(service, AttemptInput { body, files, machines: machines.clone() }, validate_only).await?;
     if validate_only {
         return Ok(Json(ValidationBody { valid: true, kind: label.kind }).into_response());
     }
@@ -115,10 +117,10 @@ async fn take_in(
 }
 
 /// Checks a document. What the check cannot decide within its limits, the attempt does.
-async fn checked(service: &Service, taken: &Taken, machines: &str, validate_only: bool) -> Answer<Label> {
+pub(super) async fn checked(service: &Service, input: AttemptInput, validate_only: bool) -> Answer<Label> {
     let _place = service.place_to_check().await?;
-    let (body, files) = (Arc::clone(&taken.job), Arc::clone(&taken.files));
-    let found = check(service.config(), AttemptInput { body, files, machines: machines.to_owned() }).await;
+    let body = Arc::clone(&input.body);
+    let found = check(service.config(), input).await;
     match found.map_err(Problem::internal)? {
         Checked::Sound(label) => Ok(label),
         Checked::Faulty(faults) => Err(Problem::refused(faults)),
@@ -126,7 +128,7 @@ async fn checked(service: &Service, taken: &Taken, machines: &str, validate_only
             Err(Problem::new(ProblemCode::Overloaded)
                 .detail("the check met a limit; posting the job plans it"))
         }
-        Checked::Undecided => label(&taken.job).map_err(Problem::refused),
+        Checked::Undecided => label(&body).map_err(Problem::refused),
     }
 }
 
@@ -142,7 +144,7 @@ async fn post(
     let Label { kind, name, references } = label;
     let id = JobId::new(now, &clock::entropy());
     let post = Post {
-        job: NewJob { id, kind, name, references },
+        job: NewJob { id, kind, name, references, dry_run_of: None },
         body: &taken.job,
         files: &taken.files,
         machines,
@@ -154,7 +156,8 @@ async fn post(
     Ok(service.store().post(post).await?)
 }
 
-async fn accepted(service: &Service, posted: Posted) -> Answer<Response> {
+/// The answer to a post.
+pub(super) async fn accepted(service: &Service, posted: Posted) -> Answer<Response> {
     let files = service.store().job_files(&posted.job.id).await?;
     Ok(acceptance(posted, files))
 }

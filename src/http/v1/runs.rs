@@ -12,7 +12,7 @@ use utoipa_axum::routes;
 
 use super::jobs::page_limit;
 use super::programs::deliver;
-use super::wire::program_address;
+use super::wire::{PurposeWord, program_address};
 use crate::clock;
 use crate::http::caller::Caller;
 use crate::http::extract::{Path, Query};
@@ -20,6 +20,7 @@ use crate::http::problem::{Answer, Problem, ProblemBody, ProblemCode, of_run};
 use crate::http::service::Service;
 use crate::job::id::RunId;
 use crate::job::moment::Moment;
+use crate::job::purpose::Purpose;
 use crate::job::run::{How, Resolution, Run, RunState};
 use crate::store::runs::RunFilter;
 
@@ -79,6 +80,12 @@ pub struct RunBody {
     unit: i64,
     /// The program.
     program: String,
+    /// What the program is for: production, dry_run or restart.
+    #[schema(value_type = PurposeWord)]
+    purpose: Purpose,
+    /// The course from which on the program goes, if not from the start.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    from_course: Option<u32>,
     /// The SHA-256 of the program's content, which the receipt names.
     sha256: String,
     /// The length of the program's content, which the receipt names.
@@ -185,6 +192,8 @@ impl From<Run> for RunBody {
             entry: run.entry.to_string(),
             unit: run.unit,
             program: run.program.to_string(),
+            purpose: run.purpose,
+            from_course: run.purpose.from_course(),
             sha256: run.sha256,
             size: run.bytes,
             returned: run.returned,

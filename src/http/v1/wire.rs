@@ -7,6 +7,7 @@ use utoipa::ToSchema;
 
 use crate::job::id::{JobId, ProgramId};
 use crate::job::life::{Job, MOST_ATTEMPTS, State};
+use crate::job::purpose::Purpose;
 use crate::planning::finding::{Code, Finding, Severity};
 use crate::store::files::JobFile;
 use crate::store::programs::Program;
@@ -25,6 +26,9 @@ pub struct JobBody {
     name: String,
     /// Free, searchable strings.
     references: BTreeMap<String, String>,
+    /// The program whose dry run it plans, if it was asked for as that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dry_run_of: Option<String>,
     /// Where it stands: queued, running, succeeded, failed or cancelled.
     state: StateWord,
     /// Whether it gave a program that may be approved; there once it has succeeded.
@@ -207,6 +211,12 @@ pub struct ProgramBody {
     job: String,
     /// The job's kind.
     kind: String,
+    /// What it is for. Only what is for production makes units.
+    #[schema(value_type = PurposeWord)]
+    purpose: Purpose,
+    /// The course from which on it goes, if not from the start.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    from_course: Option<u32>,
     /// draft, approved, superseded, revoked or quarantined.
     #[schema(example = "draft")]
     state: String,
@@ -225,6 +235,19 @@ pub struct ProgramBody {
     files: Vec<FileBody>,
     /// Where to go next.
     links: ProgramLinks,
+}
+
+/// What a program is for
+#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+#[schema(as = Purpose)]
+pub enum PurposeWord {
+    /// It makes a whole unit.
+    Production,
+    /// The same moves with knives up and the generator off: nothing is cut.
+    DryRun,
+    /// The rest of a roll that another run has begun.
+    Restart,
 }
 
 /// A file of a program
@@ -251,6 +274,9 @@ pub struct ProgramLinks {
     itself: String,
     /// Its bytes.
     content: String,
+    /// PUT here asks for its dry run; there where it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dry_run: Option<String>,
     /// The job that gave it.
     job: String,
     /// That job's report.
@@ -307,6 +333,7 @@ impl JobBody {
             kind: job.kind,
             name: job.name,
             references: job.references,
+            dry_run_of: job.dry_run_of.map(String::from),
             state: StateWord::Queued,
             verdict: None,
             created_at: job.created_at.to_string(),
@@ -401,6 +428,7 @@ impl From<Program> for ProgramBody {
     fn from(program: Program) -> Self {
         let itself = program_address(&program.id);
         let job = job_address(&program.job);
+        let has_dry_run = program.has_dry_run() && program.is_in_use();
         let file = |file: crate::store::programs::FileEntry| FileBody {
             href: format!("{itself}/files/{}", file.name),
             name: file.name,
@@ -412,6 +440,7 @@ impl From<Program> for ProgramBody {
             files: program.files.into_iter().map(file).collect(),
             links: ProgramLinks {
                 content: format!("{itself}/content"),
+                dry_run: has_dry_run.then(|| format!("{itself}/dry-run")),
                 report: format!("{job}/report"),
                 itself,
                 job,
@@ -419,6 +448,8 @@ impl From<Program> for ProgramBody {
             id: program.id.to_string(),
             job: program.job.to_string(),
             kind: program.kind,
+            purpose: program.purpose,
+            from_course: program.purpose.from_course(),
             state: program.state,
             sha256: program.sha256,
             bytes: program.bytes,

@@ -183,6 +183,17 @@ pub fn plain(name: &str) -> Result<(), &'static str> {
     Ok(())
 }
 
+/// What is said of a line that is no point and in which a comma stands between two digits; nothing of others.
+#[must_use]
+pub fn comma_hint(content: &str) -> &'static str {
+    let digits = |three: &[u8]| matches!(three, [a, b',', b] if a.is_ascii_digit() && b.is_ascii_digit());
+    if content.as_bytes().windows(3).any(digits) {
+        " (a comma separates numbers; decimals are written with a point, 1.5)"
+    } else {
+        ""
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

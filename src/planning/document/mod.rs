@@ -1,6 +1,9 @@
 //! The job document: text from outside, read once into typed input, every fault with its JSON pointer.
 
+pub mod dry_run;
 pub mod files;
+mod limit;
+mod once;
 mod quick;
 pub mod shape;
 
@@ -10,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use self::files::NamedFile;
+use self::once::{Once, TWICE};
 use self::shape::{Field, Shape, optional, required};
 use super::finding::{Code, Finding};
 use super::honeycomb::wire::{
@@ -119,8 +123,18 @@ pub fn read(text: &[u8]) -> Result<JobDocument, Vec<Finding>> {
     if let Some(document) = quick::read(text) {
         return Ok(document);
     }
-    let value = parse(text).map_err(|fault| vec![fault])?;
+    let value = parse(text).map_err(|fault| vec![with_limit(fault)])?;
     from_value(value)
+}
+
+/// A number that cannot be held cannot be compared with its limit either; the fault names it all the same.
+fn with_limit(fault: Finding) -> Finding {
+    match JOB.limit_at(&fault.at) {
+        Some(limit) if fault.code == Code::InvalidNumber => {
+            Finding { message: format!("{}; it {limit}", fault.message), ..fault }
+        }
+        _ => fault,
+    }
 }
 
 /// Reads a job document that was parsed already.
@@ -171,10 +185,10 @@ fn misfit(words: &str) -> Code {
 /// Parses JSON text.
 ///
 /// # Errors
-/// `InvalidJson`, `TooDeep` or `InvalidNumber` with the JSON pointer where reading stopped.
+/// `InvalidJson`, `TooDeep`, `InvalidNumber` or `DuplicateField` with the JSON pointer where reading stopped.
 pub fn parse(text: &[u8]) -> Result<Value, Finding> {
     let mut reader = serde_json::Deserializer::from_slice(text);
-    let value = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
+    let Once(value) = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
         let at = pointer_of(error.path());
         unreadable(error.inner(), at)
     })?;
@@ -188,12 +202,19 @@ fn unreadable(error: &serde_json::Error, at: String) -> Finding {
         Code::TooDeep
     } else if text.contains("number out of range") {
         Code::InvalidNumber
+    } else if text.starts_with(TWICE) {
+        Code::DuplicateField
     } else {
         Code::InvalidJson
     };
     // A very deep pointer would be as long as the document itself.
     let at = if code == Code::TooDeep { String::new() } else { at };
-    Finding::error(code, at, format!("not a JSON document: {text}"))
+    let message = match code {
+        Code::DuplicateField => TWICE.to_owned(),
+        Code::InvalidNumber => format!("{text}: a number is at most {:e} in size", f64::MAX),
+        _ => format!("not a JSON document: {text}"),
+    };
+    Finding::error(code, at, message)
 }
 
 fn pointer_of(path: &serde_path_to_error::Path) -> String {

@@ -5,11 +5,10 @@
 //! and all its points are within their limits, the rest of it, without its points, is small, and is checked against its
 //! shape. Whatever is not plainly right is left to the long way, which then says why.
 
-use std::collections::BTreeMap;
-
 use serde::Deserialize;
 use serde_json::{Value, json};
 
+use super::once::Texts;
 use super::{JOB, JobDocument, JobInput};
 use crate::planning::tape::wire::TapeCut;
 
@@ -20,7 +19,7 @@ struct TapeCutJob {
     #[serde(default)]
     name: String,
     #[serde(default)]
-    references: BTreeMap<String, String>,
+    references: Texts,
     input: Box<TapeCut>,
 }
 
@@ -37,7 +36,7 @@ pub(super) fn read(text: &[u8]) -> Option<JobDocument> {
     if text.windows(4).any(|word| word == b"null") {
         return None;
     }
-    let TapeCutJob { kind: Kind::TapeCut, name, references, mut input } =
+    let TapeCutJob { kind: Kind::TapeCut, name, references: Texts(references), mut input } =
         serde_json::from_slice(text).ok()?;
     if !input.points_fit() {
         return None;
@@ -74,6 +73,7 @@ fn leave_out_nulls(value: &mut Value) {
 mod tests {
     use super::super::{from_value, parse, read as read_document};
     use super::*;
+    use crate::planning::finding::Code;
 
     fn document() -> Value {
         json!({"kind": "tape-cut", "name": "n", "references": {"part": "P"}, "input": {
@@ -120,6 +120,27 @@ mod tests {
                 at.starts_with(&fault.at) || fault.at.starts_with(at) || at == "/kind",
                 "{at}: {fault:?}"
             );
+        }
+        let whole = document().to_string();
+        for field in [
+            "part",
+            "kind",
+            "width_mm",
+            "points",
+            "number",
+            "position",
+            "machine",
+            "file",
+            "tolerance_mm",
+            "options",
+        ] {
+            let twice =
+                whole.replacen(&format!("\"{field}\":"), &format!("\"{field}\":null,\"{field}\":"), 1);
+            let again = whole.replacen(&format!("\"{field}\":"), &format!("\"{field}\":0,\"{field}\":"), 1);
+            assert!(read(twice.as_bytes()).is_none() && read(again.as_bytes()).is_none(), "{field}");
+            let fault = read_document(again.as_bytes()).unwrap_err().remove(0);
+            assert_eq!(fault.code, Code::DuplicateField, "{field}: {fault:?}");
+            assert!(fault.at.ends_with(&format!("/{field}")), "{fault:?}");
         }
         assert!(read(br#"{"kind": "tape-cut""#).is_none() && parse(b"{").is_err());
     }

@@ -53,6 +53,11 @@ pub enum Shape {
         /// The most characters.
         max_chars: usize,
     },
+    /// Text of at most so many characters, none of which is a control character.
+    Name {
+        /// The most characters.
+        max_chars: usize,
+    },
     /// true or false.
     Boolean,
     /// One of these words.
@@ -154,6 +159,7 @@ impl Shape {
             ),
             Self::Integer { min, max } => visit_integer(*min, *max, value, at, faults),
             Self::Text { max_chars } => visit_text(*max_chars, value, at, faults),
+            Self::Name { max_chars } => visit_name(*max_chars, value, at, faults),
             Self::Boolean => expect(value.is_boolean(), "true or false", value, at, faults),
             Self::Word(words) => visit_word(words, value, at, faults),
             Self::Texts { max, max_chars } => visit_texts(*max, *max_chars, value, at, faults),
@@ -355,6 +361,17 @@ fn visit_text(max_chars: usize, value: &Value, at: &str, faults: &mut Vec<Findin
     }
 }
 
+fn visit_name(max_chars: usize, value: &Value, at: &str, faults: &mut Vec<Finding>) {
+    visit_text(max_chars, value, at, faults);
+    if value.as_str().is_some_and(|name| name.chars().any(char::is_control)) {
+        faults.push(Finding::error(
+            Code::UnknownValue,
+            at,
+            "has control characters; a name is plain text in a line",
+        ));
+    }
+}
+
 fn visit_word(words: &[&str], value: &Value, at: &str, faults: &mut Vec<Finding>) {
     match value {
         Value::String(found) if words.contains(&found.as_str()) => {}
@@ -451,6 +468,9 @@ impl Shape {
             Self::Positive { max } => json!({"type": "number", "exclusiveMinimum": 0, "maximum": max}),
             Self::Integer { min, max } => json!({"type": "integer", "minimum": min, "maximum": max}),
             Self::Text { max_chars } => json!({"type": "string", "maxLength": max_chars}),
+            Self::Name { max_chars } => {
+                json!({"type": "string", "maxLength": max_chars, "pattern": "^\\P{Cc}*$"})
+            }
             Self::Boolean => json!({"type": "boolean"}),
             Self::Word(words) => json!({"type": "string", "enum": words}),
             Self::Texts { max, max_chars } => json!({"type": "object", "maxProperties": max,

@@ -25,6 +25,7 @@ pub mod roll;
 pub mod section;
 pub mod sheet;
 pub mod sketch;
+pub mod stamp;
 pub mod svg;
 pub mod thin;
 pub mod timeline;

@@ -213,6 +213,12 @@ impl Svg {
         text
     }
 
+    /// What has been drawn so far, without a sheet around it.
+    #[must_use]
+    pub fn into_body(self) -> String {
+        self.body
+    }
+
     fn shape(&mut self, name: &str, class: &str, numbers: &[(&str, f64)], title: &str) {
         self.body.push('<');
         self.body.push_str(name);

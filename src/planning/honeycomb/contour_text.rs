@@ -1,5 +1,6 @@
 //! Contours as text: x and z of a point a line, blanks, commas or semicolons between them.
 
+use crate::planning::document::files::comma_hint;
 use crate::planning::finding::{Code, Finding};
 
 /// The most points of a contour.
@@ -31,7 +32,10 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Vec<[f64; 2]>, Vec<Finding>> {
         }
         match point(content) {
             Ok(point) => points.push(point),
-            Err(words) => faults.push(refuse(Code::WrongType, index + 1, words)),
+            Err(words) => {
+                let words = format!("{words}{}", comma_hint(content));
+                faults.push(refuse(Code::WrongType, index + 1, words));
+            }
         }
         if points.len() > MOST_POINTS || faults.len() >= MOST_FAULTS {
             break;
@@ -78,5 +82,8 @@ mod tests {
         let places: Vec<_> = faults.iter().map(|fault| fault.at.as_str()).collect();
         assert_eq!(places, ["c.csv:2", "c.csv:3", "c.csv:4", "c.csv:5"]);
         assert!(read("c.csv", &[0xff, 0xfe]).is_err());
+        let comma = read("c.csv", b"1,5 2,5\n").unwrap_err();
+        assert!(comma[0].message.contains("decimals are written with a point"), "{}", comma[0].message);
+        assert!(!faults[3].message.contains("decimals"), "{}", faults[3].message);
     }
 }

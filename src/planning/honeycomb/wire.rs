@@ -392,7 +392,7 @@ const FRAME: Shape = Shape::Object(&[
 ]);
 const HOME: Shape = Shape::Array { item: &ANGLE, min: 6, max: 6 };
 const ROBOT: Shape = Shape::TextOr { max_chars: 64, shape: &Shape::ObjectOrFile(&ARM) };
-const CELL_NAME: Shape = Shape::Text { max_chars: 64 };
+const CELL_NAME: Shape = Shape::Name { max_chars: 64 };
 const CELL_KIND: Shape = Shape::Word(&["robot-cell"]);
 
 /// A cell's fields: a machine has a name and says its kind, a cell in a job may.

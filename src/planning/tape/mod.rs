@@ -12,6 +12,7 @@ pub mod chain;
 pub mod courses;
 pub mod curve;
 pub mod develop;
+mod difference;
 pub mod excess;
 pub mod file;
 pub mod front;
@@ -35,6 +36,7 @@ pub mod trace;
 pub mod wire;
 pub mod words;
 
+use self::difference::difference;
 use self::input::TapeInput;
 use self::plan::TapePlan;
 use self::report::TapeReport;
@@ -269,14 +271,4 @@ pub fn check(
     let (figures, mut findings) = judge(name, text, &written, &plan, &input, budget);
     findings.extend(difference(name, text, &written.text));
     Ok((figures.to_string(), findings))
-}
-
-fn difference(name: &str, text: &str, planned: &str) -> Option<Finding> {
-    if text == planned {
-        return None;
-    }
-    let same = text.split('\n').zip(planned.split('\n')).take_while(|(one, other)| one == other).count();
-    let message =
-        "here the text begins to differ from the program that this job gives; only that one may be approved";
-    Some(Finding::warning(Code::DiffersFromPlan, format!("{name}:{}", same + 1), message))
 }

@@ -477,7 +477,7 @@ const CUTTER: Shape = Shape::Object(&[
 
 /// The fields of a tape cutter's profile.
 pub const TAPE_CUTTER: &[Field] = &[
-    required("name", Shape::Text { max_chars: 64 }),
+    required("name", Shape::Name { max_chars: 64 }),
     required("kind", Shape::Word(&["tape-cutter"])),
     required("dialect", Shape::Word(&["linuxcnc", "sinumerik"])),
     required("cut_side", Shape::Word(&["film", "paper"])),

@@ -7,6 +7,7 @@
 use std::borrow::Cow;
 
 use super::faults::{Fault, Faults};
+use crate::planning::document::files::comma_hint;
 use crate::planning::document::shape::quoted;
 use crate::planning::finding::{Code, Finding};
 use crate::planning::tape::wire::{LARGEST_MM, LARGEST_NUMBER, MOST_LOOPS, MOST_POINTS, Track, TrackPoint};
@@ -189,7 +190,8 @@ fn other_form(bytes: &[u8]) -> Option<&'static str> {
 /// As many numbers as a point has. They are separated by commas if there is one in the line, else by blanks.
 fn numbers<const N: usize>(content: &str, names: &[&str; N]) -> Result<[f64; N], (Code, String)> {
     if content.contains(',') {
-        exactly(content.split(',').map(str::trim), names)
+        let read = exactly(content.split(',').map(str::trim), names);
+        read.map_err(|(code, words)| (code, format!("{words}{}", comma_hint(content))))
     } else {
         exactly(content.split_ascii_whitespace(), names)
     }

@@ -60,8 +60,14 @@ fn every_line_that_is_no_point_is_a_fault_with_its_number() {
 
 #[test]
 fn a_decimal_comma_is_never_read_as_another_point() {
-    for line in ["1,5 2,5 3,5", "0,5 1 2", "1,5;2,5;3,5", "1,5\t2,5\t0"] {
-        assert_eq!(found(read_loops("b.txt", line.as_bytes())).len(), 1, "{line}");
+    for line in ["1,5 2,5 3,5", "0,5 1 2", "1,5;2,5;3,5", "1,5\t2,5\t0", "1,5", "1,5,2,5,3,5"] {
+        let faults = read_loops("b.txt", line.as_bytes()).unwrap_err();
+        assert_eq!(faults.len(), 1, "{line}");
+        assert!(faults[0].message.contains("decimals are written with a point"), "{}", faults[0].message);
+    }
+    for line in ["1, 2", "1 2", "x, y, z"] {
+        let faults = read_loops("b.txt", line.as_bytes()).unwrap_err();
+        assert!(!faults[0].message.contains("decimals"), "{}", faults[0].message);
     }
 }
 
