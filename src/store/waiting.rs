@@ -61,8 +61,7 @@ impl Store {
     }
 
     /// The entries in the queues of a machine that it is not given, in their order, with what each waits for: at most
-    /// ten. A hold of the
-    /// machine itself, or a suspect run, is no reason here: both are said of the machine.
+    /// ten. A hold of the machine itself, or a suspect run, is no reason here: both are said of the machine.
     ///
     /// # Errors
     /// `NoMachine`, `Database`.
