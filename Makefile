@@ -11,8 +11,8 @@ help: ## Print this list
 		while IFS='|' read -r target says; do printf '  make %-9s %s\n' "$$target" "$$says"; done
 
 demo: ## Post the example ply as an MES would, fetch its program, replay it; all of it in demo-out/
-	cargo build --release --locked --bin bladeplan --example demo
-	cargo run --release --locked --example demo
+	cargo build --release --locked --package bladeplan --package bladeplan-demo --bins
+	target/release/bladeplan-demo
 
 serve: ## Run the service on 127.0.0.1:8080 with ./bladeplan.db
 	cargo run --release --locked -- serve
@@ -27,8 +27,8 @@ bench: ## Measure the stages of planning
 	cargo bench --locked
 
 lint: ## Formatting and clippy, warnings as errors
-	cargo fmt --check
-	cargo clippy --locked --all-targets -- -D warnings
+	cargo fmt --all --check
+	cargo clippy --locked --workspace --all-targets -- -D warnings
 
 openapi: ## Write openapi/v1.json anew from the code
 	mkdir -p openapi

@@ -388,7 +388,7 @@ fn only_what_was_not_started_comes_back_without_a_person() {
     assert_eq!(floor.put(&failed, "result", &outcome(&failed, "failed")).0, 200);
     assert_eq!(floor.put(&failed, "resolution", &resolution("scrap")).0, 200);
     let units = floor.served.json(&entry)["units"].clone();
-    assert_eq!(units, json!({"waiting": 0, "out": 0, "done": 0, "scrapped": 1}));
+    assert_eq!(units, json!({"waiting": 0, "out": 0, "done": 0, "produced": 0, "scrapped": 1}));
 }
 
 #[test]

@@ -33,10 +33,9 @@ pub fn make_key(
 
 /// Registers the machine with the built-in profile under its own name.
 pub fn register(admin: &Caller) -> Fallible<()> {
-    let mut profile: Value =
-        serde_json::from_str(include_str!("../../src/planning/tape/two-cutter-lab.json"))?;
-    profile["name"] = json!(MACHINE);
-    admin.send("POST", "/v1/machines", 201, &json!({"profile": profile}))?;
+    let mut registration: Value = serde_json::from_str(include_str!("../../two-cutter-lab.machine.json"))?;
+    registration["profile"]["name"] = json!(MACHINE);
+    admin.send("POST", "/v1/machines", 201, &registration)?;
     println!("registered {MACHINE}");
     Ok(())
 }

@@ -50,7 +50,7 @@ fn main() -> ExitCode {
 
 fn run() -> Fallible<()> {
     let started = Instant::now();
-    let home = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let home = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
     let request = fs::read(home.join(JOB)).map_err(|error| format!("{JOB}: {error}"))?;
     let store = tempfile::tempdir()?;
     let database = store.path().join("demo.db");
@@ -131,10 +131,10 @@ impl Drop for Service {
     }
 }
 
-/// `target/PROFILE/bladeplan`, beside `target/PROFILE/examples/demo`.
+/// `target/PROFILE/bladeplan`, beside `target/PROFILE/bladeplan-demo`.
 fn beside_this_one() -> Fallible<PathBuf> {
     let this = std::env::current_exe()?;
-    let profile = this.parent().and_then(Path::parent).ok_or("this program lies nowhere")?;
+    let profile = this.parent().ok_or("this program lies nowhere")?;
     Ok(profile.join("bladeplan"))
 }
 
