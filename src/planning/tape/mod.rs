@@ -181,7 +181,7 @@ fn finish(
     drawings.push(timeline_drawing(&written.program, &input.machine));
     budget.stage("report");
     let Written { text, program, bound_time_s, trace, .. } = written;
-    let report = TapeReport::new(plan, input, program.time_s, bound_time_s, figures);
+    let report = TapeReport::new(plan, input, &program, bound_time_s, figures);
     let file = ProgramFile { name, dialect: language(input.machine.dialect).name, text };
     let sheet = (!any_error(&findings)).then(|| setup::sheet(plan, &program, &file, input, input_sha256));
     let attachments = trace.attachments().into_iter().chain(sheet).collect();

@@ -1,9 +1,10 @@
 //! A program that goes on from a course: what is cut before it in the whole program counts as cut.
 
 use super::machine::Machine;
+use super::timeline::Pace;
 use crate::planning::finding::{Code, Finding};
 use crate::planning::program::moves::{Pose, Step, TapeProgram};
-use crate::planning::program::nc::emit::restore_s;
+use crate::planning::program::nc::emit::{restore_feed, restore_s};
 
 /// Where the option stands.
 const AT: &str = "/input/options/from_course";
@@ -40,11 +41,13 @@ pub fn from_course(
         // What is left is all of it, from the all-zero pose on.
         return Ok(Restart { program: whole.clone(), before });
     }
-    let into_place_s = machine.settled().s() + rest_to_rest_s(machine, &start);
+    let approach_s = tape_into_place_s(machine, &start);
+    let into_place_s = machine.settled().s() + approach_s + carriages_into_place_s(machine, &start);
     let later = |end: &f64| end - whole.ends_s[index] + into_place_s;
     let program = TapeProgram {
         steps: whole.steps[index..].to_vec(),
         time_s: later(&whole.time_s),
+        approach_s,
         ends_s: whole.ends_s[index..].iter().map(later).collect(),
         start,
         dry: whole.dry,
@@ -91,18 +94,28 @@ fn done(steps: &[Step], machine: &Machine, lead_mm: f64) -> (Pose, Vec<Vec<[f64;
     (pose, cut)
 }
 
-/// The move into place from the all-zero pose, with its slowest axis coming up to speed and down again.
-fn rest_to_rest_s(machine: &Machine, to: &Pose) -> f64 {
-    if *to == Pose::default() {
-        return 0.0;
-    }
-    let cruise_s = restore_s(machine, to);
-    let feed = machine.feed.way_mm(0.0, to.feed_mm) / machine.feed.max_acceleration.mm_s2();
-    let axes = machine.cutters.iter().enumerate().flat_map(|(k, cutter)| {
+/// How long the tape runs from 0 into its place, from rest to rest.
+fn tape_into_place_s(machine: &Machine, to: &Pose) -> f64 {
+    let feed = &machine.feed;
+    let way = feed.spool.as_ref().map_or(to.feed_mm, |spool| spool.angle_deg(to.feed_mm));
+    let cruise_s = 60.0 * way / restore_feed(machine);
+    paced(cruise_s, [(feed.way_mm(0.0, to.feed_mm), feed.max_acceleration.mm_s2())])
+}
+
+/// How long carriages and blades go from the all-zero pose into their places.
+fn carriages_into_place_s(machine: &Machine, to: &Pose) -> f64 {
+    let ways = machine.cutters.iter().enumerate().flat_map(|(k, cutter)| {
         [
-            to.lateral_mm[k].abs() / cutter.lateral_acceleration.mm_s2(),
-            to.blade_deg[k].abs() / cutter.blade_acceleration.deg_s2(),
+            (to.lateral_mm[k].abs(), cutter.lateral_acceleration.mm_s2()),
+            (to.blade_deg[k].abs(), cutter.blade_acceleration.deg_s2()),
         ]
     });
-    cruise_s + axes.fold(feed, f64::max) / cruise_s
+    if Pose::default() == (Pose { feed_mm: 0.0, ..*to }) { 0.0 } else { paced(restore_s(machine), ways) }
+}
+
+/// A move of a given time at cruising speed, its slowest axis coming up to speed and down again.
+fn paced(cruise_s: f64, ways: impl IntoIterator<Item = (f64, f64)>) -> f64 {
+    let mut pace = Pace { cruise_s, ..Pace::default() };
+    ways.into_iter().for_each(|(way, acceleration)| pace.hold(way, f64::INFINITY, acceleration));
+    pace.rest_to_rest_s()
 }

@@ -78,9 +78,22 @@ fn program_part(program: &TapeProgram, file: &ProgramFile, machine: &Machine, in
         ("input SHA-256", format!("`{input_sha256}`")),
         ("planner", PLANNER_VERSION.to_owned()),
         ("machine profile SHA-256", format!("`{}`", machine.profile_sha256)),
-        ("expected time", format!("{} ({} s)", clock(program.time_s), fixed(program.time_s, 1))),
+        ("expected time", expected_time(program)),
     ];
     format!("## Program\n\n{}", table(&rows))
+}
+
+/// What the tape needs into its place counts only if it has to come from its beginning.
+fn expected_time(program: &TapeProgram) -> String {
+    let there_s = program.time_s - program.approach_s;
+    let time = format!("{} ({} s)", clock(there_s), fixed(there_s, 1));
+    if program.approach_s > 0.0 {
+        let from_zero = clock(program.approach_s);
+        return format!(
+            "{time} with the tape in its place already; from 0 the tape runs {from_zero} before that"
+        );
+    }
+    time
 }
 
 /// Hours, minutes and whole seconds, rounded up.

@@ -373,21 +373,22 @@ fn printed(pose: Pose) -> Pose {
 
 /// How fast a straight move of several axes can be, all of them starting and stopping together.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Pace {
+pub(super) struct Pace {
     /// Time at constant speed, in s: the slowest axis at its limit of speed.
-    cruise_s: f64,
+    pub(super) cruise_s: f64,
     /// The largest distance over acceleration, in s^2: the slowest axis to start.
-    start_s2: f64,
+    pub(super) start_s2: f64,
 }
 
 impl Pace {
-    fn hold(&mut self, distance: f64, speed: f64, acceleration: f64) {
+    /// Takes in the way of an axis with its limits of speed and acceleration.
+    pub(super) fn hold(&mut self, distance: f64, speed: f64, acceleration: f64) {
         self.cruise_s = self.cruise_s.max(distance / speed);
         self.start_s2 = self.start_s2.max(distance / acceleration);
     }
 
     /// Duration from rest to rest in s: a trapezoid of speed, or a triangle where the move is too short for it.
-    fn rest_to_rest_s(&self) -> f64 {
+    pub(super) fn rest_to_rest_s(&self) -> f64 {
         if self.cruise_s <= 0.0 {
             return 0.0;
         }

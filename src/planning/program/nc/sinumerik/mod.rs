@@ -89,6 +89,12 @@ impl Control<'_> {
                 self.positions = std::array::from_fn(|axis| targets[axis].unwrap_or(from[axis]));
                 Event::Move { from, to: self.positions, cruise_s }
             }
+            Action::Alone { axis, target, speed } => {
+                let from = self.positions;
+                self.positions[axis] = target;
+                let seconds = (target - from[axis]).abs() * 60.0 / speed;
+                Event::Move { from, to: self.positions, cruise_s: Some(seconds) }
+            }
             Action::Output { number, on } => Event::Output { number, on },
             Action::Dwell { seconds } => Event::Dwell { seconds },
             Action::OptionalStop => Event::OptionalStop,
