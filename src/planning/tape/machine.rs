@@ -5,7 +5,7 @@ use super::wire;
 use super::words::{self, Words};
 use crate::planning::finding::{Code, Finding};
 use crate::planning::outcome::sha256_hex;
-use crate::planning::tolerance::SPOOL_SHARE;
+use crate::planning::tolerance::{OFFSET_SHARE, SPOOL_SHARE};
 use crate::planning::units::{
     Acceleration, Angle, AngularAcceleration, AngularSpeed, Duration, Length, Speed,
 };
@@ -45,6 +45,14 @@ impl Machine {
     #[must_use]
     pub fn overcut(&self) -> Length {
         Length::from_mm(self.cutters.iter().map(|cutter| cutter.overcut.mm()).fold(0.0, f64::max))
+    }
+
+    /// How far the tape must run beyond the last cut for axes that lead their edges, and before the first one for axes
+    /// that trail behind them, in mm.
+    #[must_use]
+    pub fn ahead_and_behind_mm(&self) -> (f64, f64) {
+        let offsets = || self.cutters.iter().map(|cutter| cutter.offset.mm());
+        (offsets().fold(0.0, f64::max), offsets().map(|offset| -offset).fold(0.0, f64::max))
     }
 
     /// The time after which every knife that was told to come up is up.
@@ -118,6 +126,8 @@ pub struct Cutter {
     pub blade_acceleration: AngularAcceleration,
     /// Range of the blade axis, smallest and largest.
     pub blade_range: (Angle, Angle),
+    /// How far the edge trails behind the axis that turns it, along the cut.
+    pub offset: Length,
     /// How far a cut goes on past its ends where no piece lies.
     pub overcut: Length,
     /// A sharper corner is turned with the knife up.
@@ -128,6 +138,20 @@ pub struct Cutter {
     pub down_dwell: Duration,
     /// Time to settle after the knife goes up.
     pub up_dwell: Duration,
+}
+
+impl Cutter {
+    /// Whether the edge of its blade lies beside the axis that turns it, so that the axis goes another way than the cut.
+    #[must_use]
+    pub fn swivels(&self) -> bool {
+        self.offset.mm() != 0.0
+    }
+
+    /// What is left of a chord tolerance for thinning the cuts of its edge, in mm, of so much that the tape leaves.
+    #[must_use]
+    pub fn thinning_mm(&self, left_mm: f64, tolerance_mm: f64) -> f64 {
+        if self.swivels() { left_mm - OFFSET_SHARE * tolerance_mm } else { left_mm }
+    }
 }
 
 /// `two-cutter-lab` is exactly the profile of jobs.md.
@@ -202,10 +226,6 @@ fn unsupported(profile: &wire::MachineProfile, at: &str) -> Vec<Finding> {
         "/carriage_clearance_mm".into(),
         "carriages whose stations are closer than they must stay apart share a beam, which is not planned",
     );
-    for (index, cutter) in profile.cutters.iter().enumerate() {
-        let blade = format!("/cutters/{index}/blade");
-        refuse(cutter.blade.offset_mm != 0.0, format!("{blade}/offset_mm"), "a blade offset is not planned");
-    }
     faults
 }
 
@@ -344,6 +364,7 @@ fn take_over_cutter(cutter: &wire::Cutter) -> Cutter {
         blade_speed: AngularSpeed::from_deg_s(blade.max_speed_deg_s),
         blade_acceleration: AngularAcceleration::from_deg_s2(blade.max_acceleration_deg_s2),
         blade_range: (Angle::from_degrees(blade.min_deg), Angle::from_degrees(blade.max_deg)),
+        offset: Length::from_mm(blade.offset_mm),
         overcut: Length::from_mm(blade.overcut_mm),
         lift_angle: Angle::from_degrees(blade.lift_angle_deg),
         knife_output: knife.output,

@@ -3,7 +3,7 @@
 //! In the order in which a job passes through: `wire` (as it stands in JSON) -> `file` (what stands in files) ->
 //! `input`, `outline` and `machine` (checked), `courses` (generated) -> `develop` -> `piece` -> `chain` -> `assign` (the
 //! knives of a piece by itself) -> `roll` (`block` and `front`: what matters there of a piece; `place`: where it goes;
-//! `pace`: which knives are quickest) -> `stroke` -> `timeline`. `plan` puts the geometric steps together, `report` writes
+//! `pace`: which knives are quickest) -> `stroke` -> `overcut` -> `offset` -> `timeline`. `plan` puts the geometric steps together, `report` writes
 //! the figures.
 
 pub mod assign;
@@ -17,6 +17,7 @@ pub mod file;
 pub mod front;
 pub mod input;
 pub mod machine;
+pub mod offset;
 pub mod outline;
 pub mod overcut;
 pub mod pace;
@@ -144,6 +145,7 @@ fn write(
     let mut strokes = plan.strokes(input);
     let findings = overcut::extend(&mut strokes, plan, machine).into_iter().collect();
     let trace = trace::planted(plan, &strokes, input);
+    let strokes = offset::follow(strokes, machine, input.tolerance.mm())?;
     let kept = input.from_course.map(|_| strokes.clone());
     let mut bound_time_s = timeline::bound_s(&strokes, machine);
     let whole = timeline::merge(strokes, machine, input.tolerance.mm())?;

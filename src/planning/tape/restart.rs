@@ -1,6 +1,7 @@
 //! A program that goes on from a course: what is cut before it in the whole program counts as cut.
 
 use super::machine::Machine;
+use super::offset::edge;
 use super::timeline::Pace;
 use crate::planning::finding::{Code, Finding};
 use crate::planning::program::moves::{Pose, Step, TapeProgram};
@@ -71,28 +72,33 @@ fn not_here(whole: &TapeProgram, number: u32) -> Finding {
 /// Where the axes stand after some steps, and what the knives have cut.
 fn done(steps: &[Step], machine: &Machine, lead_mm: f64) -> (Pose, Vec<Vec<[f64; 2]>>) {
     let mut pose = Pose::default();
-    let mut open: Vec<Option<Vec<[f64; 2]>>> = vec![None; machine.cutters.len()];
+    let mut open: Vec<Option<Vec<Place>>> = vec![None; machine.cutters.len()];
     let mut cut = Vec::new();
     let place = |cutter: usize, pose: &Pose| {
         let station_mm = machine.cutters[cutter].station.mm();
-        [lead_mm - pose.feed_mm + station_mm, pose.lateral_mm[cutter]]
+        ([lead_mm - pose.feed_mm + station_mm, pose.lateral_mm[cutter]], pose.blade_deg[cutter])
     };
     for step in steps {
         match *step {
             Step::Move { to, .. } => {
-                for (cutter, points) in open.iter_mut().enumerate() {
+                for (cutter, places) in open.iter_mut().enumerate() {
                     let (from, next) = (place(cutter, &pose), place(cutter, &to));
-                    points.iter_mut().filter(|_| from != next).for_each(|points| points.push(next));
+                    places.iter_mut().filter(|_| from != next).for_each(|places| places.push(next));
                 }
                 pose = to;
             }
             Step::Knife { cutter, down: true } => open[cutter] = Some(vec![place(cutter, &pose)]),
-            Step::Knife { cutter, down: false } => cut.extend(open[cutter].take()),
+            Step::Knife { cutter, down: false } => {
+                cut.extend(open[cutter].take().map(|places| edge(&places, &machine.cutters[cutter])));
+            }
             _ => {}
         }
     }
     (pose, cut)
 }
+
+/// Where the axis of a cutter stands over the roll, (r, v) in mm, and its blade in degrees.
+type Place = ([f64; 2], f64);
 
 /// How long the tape runs from 0 into its place, from rest to rest.
 fn tape_into_place_s(machine: &Machine, to: &Pose) -> f64 {

@@ -249,6 +249,10 @@ impl<'a> Merge<'a> {
         let mut to = self.pose;
         for (k, carriage) in self.carriages.iter().enumerate() {
             let Some((at, stroke)) = carriage.cutting.zip(carriage.strokes.front()) else { continue };
+            if carriage.cutter.swivels() {
+                // It turns on its way from knot to knot.
+                continue;
+            }
             let wanted = stroke.knots[at].blade_deg;
             if (wanted - self.pose.blade_deg[k]).abs() > BLADE_BLEND_DEG {
                 to.blade_deg[k] = wanted;
@@ -273,7 +277,8 @@ impl<'a> Merge<'a> {
     fn reach_next(&mut self, k: usize, to: &mut Pose) {
         let carriage = &mut self.carriages[k];
         let Some((at, stroke)) = carriage.cutting.zip(carriage.strokes.front()) else { return };
-        to.blade_deg[k] = stroke.knots[at].blade_deg;
+        let blade_at = if carriage.cutter.swivels() { at + 1 } else { at };
+        to.blade_deg[k] = stroke.knots[blade_at].blade_deg;
         to.lateral_mm[k] = stroke.knots[at + 1].v;
         carriage.cutting = Some(at + 1);
     }
@@ -301,9 +306,11 @@ impl<'a> Merge<'a> {
             return self.reach_next(k, to);
         }
         // Between its own knots the carriage lies on the segment itself, so that errors do not add up.
-        let v = from.v + (x - from.x) / (next.x - from.x) * (next.v - from.v);
+        let share = (x - from.x) / (next.x - from.x);
+        let v = from.v + share * (next.v - from.v);
         to.lateral_mm[k] = rounded(v, DECIMALS);
-        to.blade_deg[k] = from.blade_deg;
+        let turn = if carriage.cutter.swivels() { next.blade_deg - from.blade_deg } else { 0.0 };
+        to.blade_deg[k] = from.blade_deg + share * turn;
     }
 
     /// Travels toward the next stroke as far as a move allows without lasting longer for it.

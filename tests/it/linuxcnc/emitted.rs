@@ -18,6 +18,7 @@ use serde_json::json;
 
 use super::agreement::compare;
 use super::{fixture, interpret};
+use crate::blade_offset::offset;
 use crate::craft::overcutting;
 use crate::golden::{cases, outcome};
 use crate::profiles::{job, lab_with, plan_job};
@@ -154,7 +155,7 @@ fn every_planned_ply_agrees_with_our_reader() {
     runner(50).run(&plies(), agree).unwrap();
 }
 
-/// Overcuts, a spool's degrees, a program from a course on and a dry run.
+/// Overcuts, blade offsets, a spool's degrees, a program from a course on and a dry run.
 #[test]
 fn every_way_to_cut_the_example_agrees_with_our_reader() {
     let example = job("examples/wing-skin-trapezoid-45.job.json");
@@ -165,6 +166,8 @@ fn every_way_to_cut_the_example_agrees_with_our_reader() {
         (spooled, json!(null)),
         (lab_with(&[]), json!({"dry_run": true})),
         (overcutting(1.5), json!({"from_course": 1})),
+        (offset(1.0), json!(null)),
+        (offset(-2.0), json!({"allocation": "free"})),
     ] {
         let planned = plan_job(&example, &machine, &options).unwrap();
         agrees(&planned.programs[0].text).unwrap();

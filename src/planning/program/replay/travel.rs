@@ -99,6 +99,11 @@ impl<'a> Axes<'a> {
         [moved.from[axis], moved.to[axis]]
     }
 
+    /// Where a blade points, in degrees.
+    pub(super) fn blade_at(&self, cutter: usize, positions: &Positions) -> f64 {
+        positions[self.blade[cutter]]
+    }
+
     /// The point (r, v) of the roll over which a cutter stands: r = lead - U + station (jobs.md, `roll`).
     pub(super) fn knife_at(&self, cutter: usize, positions: &Positions, lead_mm: f64) -> [f64; 2] {
         let station_mm = self.machine.cutters[cutter].station.mm();
