@@ -13,7 +13,7 @@ use bladeplan::planning::tape::trace::text;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-use crate::profiles::{job, lab, lab_with, plan_job, refused};
+use crate::profiles::{job, lab, lab_with, plan_job};
 use crate::random_plies::{Ply, plies};
 use crate::rounds::runner;
 
@@ -239,11 +239,7 @@ fn both_options_together_and_the_same_bytes_again() {
 }
 
 #[test]
-fn carriages_that_would_share_a_beam_are_refused() {
-    assert_eq!(
-        refused(&lab_with(&[("/carriage_clearance_mm", json!(301))])),
-        [(Code::NotSupported, "/input/machine/carriage_clearance_mm".to_owned())]
-    );
+fn stations_keep_carriages_apart() {
     let apart = lab_with(&[("/carriage_clearance_mm", json!(300))]);
     assert_eq!(planned("examples/first.job.json", &apart, json!(null)).verdict, Verdict::Usable);
 }

@@ -61,7 +61,7 @@ pub struct TapeProgram {
     pub approach_s: f64,
     /// When each step is done, in s from the start.
     pub ends_s: Vec<f64>,
-    /// Where the axes are when the first step begins. A program that does not start at the all-zero pose begins with
+    /// Where the axes are when the first step begins. A program that does not start at its machine's home begins with
     /// a restartable course, which brings them there from wherever they are.
     pub start: Pose,
     /// Whether knives stay up and the generator off: the moves alone.

@@ -7,6 +7,7 @@
 //! the figures.
 
 pub mod assign;
+pub mod beam;
 pub mod block;
 pub mod chain;
 pub mod courses;
@@ -28,6 +29,7 @@ pub mod report;
 pub mod restart;
 pub mod roll;
 pub mod setup;
+pub mod sides;
 pub mod spool;
 pub mod stroke;
 pub mod timeline;
@@ -128,6 +130,13 @@ struct Written {
     /// What an earlier run has cut, in roll coordinates, where the program goes on from a course.
     before: Vec<Vec<[f64; 2]>>,
     findings: Vec<Finding>,
+}
+
+/// The strokes of the axes of each cutter.
+fn axis_strokes(plan: &TapePlan, input: &TapeInput) -> Result<Vec<Vec<stroke::Stroke>>, Vec<Finding>> {
+    let mut strokes = plan.strokes(input);
+    overcut::extend(&mut strokes, plan, &input.machine);
+    offset::follow(strokes, &input.machine, input.tolerance.mm())
 }
 
 fn write(

@@ -31,6 +31,13 @@ const SWIVEL_SHARE: f64 = 0.05;
 /// How far the tape may stand before a place that it has passed, as a share of the chord tolerance: it waits there.
 const WAITING_SHARE: f64 = 0.05;
 
+/// Waiting turns a cut. By more than this share of its length, 0.2 degrees, it must not: with [`BLADE_BLEND_DEG`] and what
+/// printed digits turn a short cut by, its blade would lie a degree off it.
+const WAITING_SINE: f64 = 0.0035;
+
+/// The direction of a shorter cut, in mm, is that of its printed digits.
+const SHORTEST_CUT_MM: f64 = 0.025;
+
 /// The strokes of the axes of all cutters, for those of their edges. A cutter without an offset keeps its own.
 ///
 /// # Errors
@@ -137,6 +144,8 @@ struct Axis<'a> {
     tolerance_mm: f64,
     /// The tape has come so far.
     reached: f64,
+    /// Where the edge was last, and how far the tape then stood beyond the place for that.
+    last: Option<(Point2, f64)>,
     done: Vec<Stroke>,
     faults: Vec<Finding>,
 }
@@ -146,7 +155,14 @@ type Back = Option<(f64, Knot)>;
 
 impl<'a> Axis<'a> {
     fn new(cutter: &'a Cutter, tolerance_mm: f64) -> Self {
-        Self { cutter, tolerance_mm, reached: f64::NEG_INFINITY, done: Vec::new(), faults: Vec::new() }
+        Self {
+            cutter,
+            tolerance_mm,
+            reached: f64::NEG_INFINITY,
+            last: None,
+            done: Vec::new(),
+            faults: Vec::new(),
+        }
     }
 
     fn waiting_mm(&self) -> f64 {
@@ -193,6 +209,7 @@ impl<'a> Axis<'a> {
     fn begin(&mut self, stroke: &Stroke, knot: &Knot, back: &mut Back) {
         let (course, x_of_u0) = (stroke.course, stroke.x_of_u0);
         self.done.push(Stroke { course, x_of_u0, knots: Vec::new() });
+        self.last = None;
         self.reach(knot, knot.blade_deg, back);
     }
 
@@ -200,16 +217,26 @@ impl<'a> Axis<'a> {
     fn reach(&mut self, knot: &Knot, blade_deg: f64, back: &mut Back) {
         let ahead = ahead_mm(self.cutter, blade_deg);
         let x = rounded(knot.x + ahead.x, DECIMALS);
-        let back_mm = self.reached - x;
-        if back_mm > self.waiting_mm() && back.is_none_or(|(worst, _)| back_mm > worst) {
+        let back_mm = (self.reached - x).max(0.0);
+        let worst_mm = back.map_or(0.0, |(worst, _)| worst);
+        if (back_mm > self.waiting_mm() || self.turns_the_cut(knot, back_mm)) && back_mm > worst_mm {
             *back = Some((back_mm, *knot));
         }
+        self.last = Some((Point2::new(knot.x, knot.v), back_mm));
         self.reached = self.reached.max(x);
         let place = Knot { x: self.reached, v: rounded(knot.v + ahead.y, DECIMALS), blade_deg };
         let Some(stroke) = self.done.last_mut() else { return };
         if stroke.knots.last() != Some(&place) {
             stroke.knots.push(place);
         }
+    }
+
+    /// Whether waiting by so much turns the cut to a knot.
+    fn turns_the_cut(&self, knot: &Knot, back_mm: f64) -> bool {
+        self.last.is_some_and(|(at, before_mm)| {
+            let length = (knot.x - at.x).hypot(knot.v - at.y);
+            length > SHORTEST_CUT_MM && (back_mm - before_mm).abs() > WAITING_SINE * length
+        })
     }
 
     /// How far the tape would have to come back while the blade turns in the material.

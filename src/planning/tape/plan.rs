@@ -12,6 +12,7 @@ use super::pace::least_time;
 use super::piece::{Piece, within_strip};
 use super::place::Tape;
 use super::roll::{Roll, RollFigures, lay};
+use super::sides::keep_sides;
 use super::stroke::{Stroke, strokes};
 use crate::planning::budget::Budget;
 use crate::planning::finding::{Code, Finding};
@@ -256,7 +257,11 @@ fn on_roll(mut courses: Vec<PlannedCourse>, input: &TapeInput) -> Result<TapePla
     let lead_mm = rounded(leading_end_mm - first_station, super::stroke::DECIMALS);
     let figures = roll.figures(&blocks, &of_courses, area_mm2, input.width.mm(), lead_mm, &tape);
     let order = roll.order.iter().map(|&index| places[index]).collect();
-    Ok(TapePlan { courses, order, leading_end_mm: roll.leading_end_mm, figures })
+    let mut plan = TapePlan { courses, order, leading_end_mm: roll.leading_end_mm, figures };
+    if rule == Rule::Count {
+        keep_sides(&mut plan, input);
+    }
+    Ok(plan)
 }
 
 /// All pieces in laying order.
@@ -312,15 +317,20 @@ fn give_for_least_time(courses: &mut [PlannedCourse], machine: &Machine) -> Resu
         [one, other] => least_time(&chains, &seconds, given, other.station.mm() - one.station.mm()),
         _ => given,
     };
-    let mut given = given.into_iter();
+    give(courses, &given);
+    Ok(())
+}
+
+/// Gives the chains that knives make to these knives, in the order of courses, pieces and chains.
+fn give(courses: &mut [PlannedCourse], given: &[usize]) {
+    let mut given = given.iter();
     for piece in courses.iter_mut().flat_map(|course| &mut course.pieces) {
         let shared = piece.shared.map(|shared| shared.cut);
         let made = piece.chains.iter_mut().filter(|(chain, _)| Some(chain.cut) != shared);
         for ((_, cutter), given) in made.zip(given.by_ref()) {
-            *cutter = given;
+            *cutter = *given;
         }
     }
-    Ok(())
 }
 
 /// The time in s that a knife needs for a chain at least.
@@ -361,6 +371,42 @@ impl TapePlan {
             let course = &self.courses[course];
             (course, &course.pieces[piece])
         })
+    }
+
+    /// The chains that knives make, in the order of courses, pieces and chains.
+    fn made(&self) -> impl Iterator<Item = &(Chain, usize)> {
+        let pieces = self.courses.iter().flat_map(|course| &course.pieces);
+        pieces.flat_map(|piece| piece.chains.iter().filter(|(chain, _)| !piece.shares(chain)))
+    }
+
+    /// The chains that knives make, on the roll.
+    #[must_use]
+    pub fn made_chains(&self) -> Vec<RollChain> {
+        let pieces =
+            self.courses.iter().flat_map(|course| course.pieces.iter().map(move |piece| (course, piece)));
+        pieces.flat_map(|(course, piece)| roll_chains(course, piece)).collect()
+    }
+
+    /// The knife of each chain that knives make, as [`TapePlan::made_chains`] lists them.
+    #[must_use]
+    pub fn knives(&self) -> Vec<usize> {
+        self.made().map(|(_, knife)| *knife).collect()
+    }
+
+    /// In the middle of which v in mm each chain lies that knives make.
+    #[must_use]
+    pub fn middles_v(&self) -> Vec<f64> {
+        let middle = |(chain, _): &(Chain, usize)| {
+            let vs = || chain.points.iter().map(|point| point.y);
+            f64::midpoint(vs().fold(f64::INFINITY, f64::min), vs().fold(f64::NEG_INFINITY, f64::max))
+        };
+        self.made().map(middle).collect()
+    }
+
+    /// Gives the chains to other knives, as [`TapePlan::made_chains`] lists them.
+    pub fn give(&mut self, knives: &[usize]) {
+        give(&mut self.courses, knives);
+        colour_shared(&mut self.courses);
     }
 
     /// The strokes of each cutter in the order in which they pass it, whatever pieces they are of.

@@ -37,9 +37,9 @@ pub fn from_course(
     if matches!(whole.steps[index], Step::Course { restartable: false, .. }) {
         return Err(not_here(whole, number));
     }
-    let (start, before) = done(&whole.steps[..index], machine, lead_mm);
+    let (start, before) = done(&whole.steps[..index], whole.start, machine, lead_mm);
     if before.is_empty() {
-        // What is left is all of it, from the all-zero pose on.
+        // What is left is all of it, from where every program begins.
         return Ok(Restart { program: whole.clone(), before });
     }
     let approach_s = tape_into_place_s(machine, &start);
@@ -70,8 +70,8 @@ fn not_here(whole: &TapeProgram, number: u32) -> Finding {
 }
 
 /// Where the axes stand after some steps, and what the knives have cut.
-fn done(steps: &[Step], machine: &Machine, lead_mm: f64) -> (Pose, Vec<Vec<[f64; 2]>>) {
-    let mut pose = Pose::default();
+fn done(steps: &[Step], start: Pose, machine: &Machine, lead_mm: f64) -> (Pose, Vec<Vec<[f64; 2]>>) {
+    let mut pose = start;
     let mut open: Vec<Option<Vec<Place>>> = vec![None; machine.cutters.len()];
     let mut cut = Vec::new();
     let place = |cutter: usize, pose: &Pose| {
@@ -108,15 +108,15 @@ fn tape_into_place_s(machine: &Machine, to: &Pose) -> f64 {
     paced(cruise_s, [(feed.way_mm(0.0, to.feed_mm), feed.max_acceleration.mm_s2())])
 }
 
-/// How long carriages and blades go from the all-zero pose into their places.
+/// How long carriages and blades go into their places from where every program begins.
 fn carriages_into_place_s(machine: &Machine, to: &Pose) -> f64 {
     let ways = machine.cutters.iter().enumerate().flat_map(|(k, cutter)| {
         [
-            (to.lateral_mm[k].abs(), cutter.lateral_acceleration.mm_s2()),
+            ((to.lateral_mm[k] - cutter.park_mm()).abs(), cutter.lateral_acceleration.mm_s2()),
             (to.blade_deg[k].abs(), cutter.blade_acceleration.deg_s2()),
         ]
     });
-    if Pose::default() == (Pose { feed_mm: 0.0, ..*to }) { 0.0 } else { paced(restore_s(machine), ways) }
+    if machine.home() == (Pose { feed_mm: 0.0, ..*to }) { 0.0 } else { paced(restore_s(machine), ways) }
 }
 
 /// A move of a given time at cruising speed, its slowest axis coming up to speed and down again.

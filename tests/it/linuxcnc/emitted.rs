@@ -161,6 +161,8 @@ fn every_way_to_cut_the_example_agrees_with_our_reader() {
     let example = job("examples/wing-skin-trapezoid-45.job.json");
     let spool = json!({"core_radius_mm": 50, "roll_radius_mm": 150, "layer_thickness_mm": 0.4});
     let spooled = lab_with(&[("/feed/drive", json!("unwind_angle")), ("/feed/spool", spool)]);
+    let parked =
+        lab_with(&[("/cutters/0/lateral/park_mm", json!(60)), ("/cutters/1/lateral/park_mm", json!(-60))]);
     for (machine, options) in [
         (overcutting(1.5), json!(null)),
         (spooled, json!(null)),
@@ -168,6 +170,7 @@ fn every_way_to_cut_the_example_agrees_with_our_reader() {
         (overcutting(1.5), json!({"from_course": 1})),
         (offset(1.0), json!(null)),
         (offset(-2.0), json!({"allocation": "free"})),
+        (parked, json!(null)),
     ] {
         let planned = plan_job(&example, &machine, &options).unwrap();
         agrees(&planned.programs[0].text).unwrap();

@@ -54,8 +54,14 @@ impl Writer<'_> {
     fn header(&mut self, input_sha256: &str) {
         self.comment(&format!("BLADEPLAN {PLANNER_VERSION} TAPE CUT"));
         self.comment(&format!("INPUT {}", input_sha256.to_ascii_uppercase()));
-        if self.pose == Pose::default() {
-            self.comment("ALL AXES AT ZERO, LEADING END OF THE TAPE UNDER CUTTER 1, KNIVES UP");
+        let home = self.machine.home();
+        if self.pose == home {
+            let axes = if home == Pose::default() {
+                "ALL AXES AT ZERO"
+            } else {
+                "CARRIAGES PARKED, OTHER AXES AT ZERO"
+            };
+            self.comment(&format!("{axes}, LEADING END OF THE TAPE UNDER CUTTER 1, KNIVES UP"));
         } else {
             self.comment("GOES ON WITHIN A ROLL, AXES READ AS IN THE WHOLE PROGRAM, KNIVES UP");
         }
@@ -63,6 +69,10 @@ impl Writer<'_> {
             self.comment("DRY RUN, KNIVES STAY UP, ULTRASONIC STAYS OFF");
         }
         self.modes();
+        if self.pose == home && home != Pose::default() {
+            // Carriages that are parked there already do not move; a reader knows by it where they stand.
+            self.carriages_into_place();
+        }
     }
 
     /// What every place needs from which the program may be started.

@@ -4,6 +4,7 @@
 //! keeps the way of each knife that is down as `strokes`, found by its `trail` where the edge lies beside its axis. `compare` lays these against the wanted cuts, with
 //! `curves` to find what is near, `nearness` for the exact distances and `passes` for what is cut twice.
 
+mod beam;
 mod blade;
 mod compare;
 mod curves;

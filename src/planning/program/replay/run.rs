@@ -1,5 +1,6 @@
 //! The machine as the events of a program drive it: axes, knives, generator, dwells.
 
+use super::beam;
 use super::blade::{self, Cut};
 use super::faults::Faults;
 use super::strokes::Stroke;
@@ -74,12 +75,13 @@ impl<'a, 'b> Platform<'a, 'b> {
             turned_deg: 0.0,
             said_beside: false,
         };
+        let axes = Axes::of(setup.machine);
         Self {
             setup,
             faults,
-            axes: Axes::of(setup.machine),
+            positions: axes.home(),
+            axes,
             knives: setup.machine.cutters.iter().map(knife).collect(),
-            positions: [0.0; 9],
             ultrasonic: false,
             ended: false,
             strokes: Vec::new(),
@@ -117,6 +119,7 @@ impl<'a, 'b> Platform<'a, 'b> {
             self.tape_reversals += 1;
         }
         travel::check(&self.axes, &moved, &down, self.faults);
+        beam::check(self.setup.machine, &self.axes, &moved, self.faults);
         for (index, _) in down.iter().enumerate().filter(|(_, down)| **down) {
             self.cut(index, &moved);
         }

@@ -38,7 +38,15 @@ const U_V_W: Range<usize> = 6..9;
 /// Every refused line, as `NAME:LINE`: `UnreadableProgram`, or `NoProgramEnd` if no M2 ends the program. After
 /// 50 of them the reader gives up and says so.
 pub fn read(name: &str, text: &str) -> Result<Vec<Executed>, Vec<Finding>> {
-    let mut reader = Reader::new(name);
+    read_from(name, text, [0.0; 9])
+}
+
+/// As [`read`], from where the axes stand.
+///
+/// # Errors
+/// As those of [`read`].
+pub fn read_from(name: &str, text: &str, home: Positions) -> Result<Vec<Executed>, Vec<Finding>> {
+    let mut reader = Reader { positions: home, ..Reader::new(name) };
     for (index, line) in text.split('\n').enumerate() {
         if reader.gave_up {
             break;
