@@ -113,6 +113,31 @@ fn the_cycle_time_is_that_of_the_text() {
     assert!(planned(EXAMPLE, &slow, json!(null)).report["time_s"].as_f64().unwrap() > fast + 1.0);
 }
 
+/// The square start of the piece, 79 mm with its overcuts, of which 1 mm in the middle is cut again.
+#[test]
+fn a_cut_made_twice_is_found_beside_overcuts_too() {
+    let mut with = job("examples/first.job.json");
+    for (overcut, again) in [(0.0, 1.0), (2.0, 1.0), (5.0, 1.0)] {
+        with["input"]["machine"] = overcutting(overcut);
+        let text =
+            planned("examples/first.job.json", &overcutting(overcut), json!(null)).programs.remove(0).text;
+        assert!(checked(&with, "roll.ngc", text.clone()).is_empty());
+        let lines: Vec<&str> = text.lines().collect();
+        // Cutter 1 makes the square cut last, at one reading of U: a move of V alone with its knife down.
+        let across = lines.iter().rposition(|line| line.contains("G1 V") && !line.contains('A')).unwrap();
+        assert!(lines[across + 1].ends_with("M65 P0") && lines[across + 2].contains("G4"));
+        let more = format!(
+            "N1 G1 V0.0 F60.0\nN2 M64 P0\nN3 G4 P0.05\nN4 G1 V{again} F300.0\nN5 M65 P0\nN6 G4 P0.05"
+        );
+        let mut lines = lines;
+        lines.insert(across + 3, &more);
+        let found = checked(&with, "roll.ngc", lines.join("\n") + "\n");
+        let twice: Vec<_> =
+            found.iter().filter(|finding| finding.message.contains("more often than it is wanted")).collect();
+        assert!(!twice.is_empty() && twice[0].code == Code::Unwanted, "{overcut}: {found:?}");
+    }
+}
+
 fn events(outcome: &Outcome) -> Vec<Executed> {
     read("p", &outcome.programs[0].text).unwrap()
 }

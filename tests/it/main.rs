@@ -45,4 +45,5 @@ mod sinumerik;
 mod spool;
 mod store;
 mod trace;
+mod turns;
 mod worker;

@@ -6,6 +6,7 @@
 
 mod beam;
 mod blade;
+mod breaks;
 mod compare;
 mod curves;
 pub mod dry;
