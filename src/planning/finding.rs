@@ -128,6 +128,8 @@ codes! {
     SharedCut,
     /// The spool holds less tape than the roll needs.
     TapeTooShort,
+    /// Two carriages on one beam would come, or do come, closer to one another than they may.
+    CarriagesTooClose,
     /// The tape or an axis does not reach far enough.
     AxisLimit,
     /// The step limit of a job is used up.

@@ -28,6 +28,10 @@ pub const CHORD_MM: f64 = 0.01;
 /// straight cut. Halving this share splits the moves of a cut 1.4 times as often.
 pub const SPOOL_SHARE: f64 = 0.2;
 
+/// The share of the chord tolerance that is kept for a blade whose edge lies beside its turning axis: for corners that are
+/// rounded off while the tape advances, and for the chords of the axis' way round a corner.
+pub const OFFSET_SHARE: f64 = 0.5;
+
 /// What the printed digits of a program may add to the chord tolerance, in mm, in a replay.
 ///
 /// Four decimals round each coordinate by at most 0.00005; the two linear axes together by 0.00007. The rest

@@ -3,6 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod accepted;
+mod beam;
+mod blade_offset;
 mod cli;
 mod craft;
 mod docker;
@@ -44,4 +46,5 @@ mod sinumerik;
 mod spool;
 mod store;
 mod trace;
+mod turns;
 mod worker;

@@ -85,13 +85,13 @@ impl Curves {
             bars: knives.chain([("ultrasonic".to_owned(), Vec::new())]).collect(),
         };
         let mut open: Vec<Option<f64>> = vec![None; cutters + 1];
-        let (mut pose, mut now) = (Pose::default(), 0.0);
+        let (mut pose, mut now) = (machine.home(), 0.0);
         curves.stand(now, &pose);
         if program.start != pose {
-            // A program from a course on begins with its way into place, the generator already on.
+            // A program from a course on begins with its way into place; the generator is on once the tape is there.
             (pose, now) = (program.start, program.ends_s.first().copied().unwrap_or(0.0));
             curves.stand(now, &pose);
-            open[cutters] = (!program.dry).then_some(0.0);
+            open[cutters] = (!program.dry).then_some(program.approach_s);
         }
         for (step, &end) in program.steps.iter().zip(&program.ends_s) {
             match *step {

@@ -56,9 +56,12 @@ pub struct TapeProgram {
     pub steps: Vec<Step>,
     /// Cycle time in s with accelerations, each move from rest to rest.
     pub time_s: f64,
+    /// How much of `time_s` is the way of the tape from 0 into its place, for a program that goes on within a roll: it
+    /// takes nothing where the tape stands there already.
+    pub approach_s: f64,
     /// When each step is done, in s from the start.
     pub ends_s: Vec<f64>,
-    /// Where the axes are when the first step begins. A program that does not start at the all-zero pose begins with
+    /// Where the axes are when the first step begins. A program that does not start at its machine's home begins with
     /// a restartable course, which brings them there from wherever they are.
     pub start: Pose,
     /// Whether knives stay up and the generator off: the moves alone.

@@ -94,7 +94,7 @@ impl Block {
     #[must_use]
     pub fn new(piece: &Piece, chains: &[(Chain, usize)], half_mm: f64, knives: usize, rule: Rule) -> Self {
         let run = |(chain, knife): &(Chain, usize)| {
-            let (low, high) = chain.u_range();
+            let (low, high) = chain.busy_mm;
             Run { span: (-high, -low), knife: *knife, cut: chain.cut }
         };
         let mut block = Self {

@@ -23,6 +23,9 @@ pub struct Chain {
     pub points: Vec<Point2>,
     /// How far, in mm, points were moved along u to make small steps back monotone.
     pub shift_mm: f64,
+    /// Smallest and largest u at which the axis of a knife stands that makes it: those of the points, unless the edge of a
+    /// blade lies beside its axis.
+    pub busy_mm: (f64, f64),
 }
 
 /// The sign of dV/dU of a chain, U to the right and V up.
@@ -129,7 +132,8 @@ fn chain(cut: usize, turns: usize, edge_to_edge: bool, points: &[Point2]) -> Cha
     } else {
         Slope::Falling
     };
-    Chain { cut, turns, edge_to_edge, slope, points, shift_mm }
+    let busy_mm = (points[points.len() - 1].x, points[0].x);
+    Chain { cut, turns, edge_to_edge, slope, points, shift_mm, busy_mm }
 }
 
 /// Moves points along u so that u never increases, by the least largest shift: each goes to the middle between

@@ -53,6 +53,14 @@ pub struct TapeInput {
     pub origins: Origins,
 }
 
+impl TapeInput {
+    /// What is left of the chord tolerance for thinning, in mm, where a spool may bend cuts.
+    #[must_use]
+    pub fn thinning_mm(&self) -> f64 {
+        self.machine.feed.thinning_mm(self.tolerance.mm())
+    }
+}
+
 /// A course: the centre line of a tape on the mould.
 #[derive(Debug, Clone)]
 pub struct Course {

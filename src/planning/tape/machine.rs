@@ -1,11 +1,14 @@
 //! The machine of a tape-cut job: a profile from JSON, checked, with its units as types.
 
 use super::spool::{Spool, Turning};
+use super::stroke::DECIMALS;
 use super::wire;
 use super::words::{self, Words};
 use crate::planning::finding::{Code, Finding};
 use crate::planning::outcome::sha256_hex;
-use crate::planning::tolerance::SPOOL_SHARE;
+use crate::planning::program::moves::Pose;
+use crate::planning::program::number::rounded;
+use crate::planning::tolerance::{OFFSET_SHARE, SPOOL_SHARE};
 use crate::planning::units::{
     Acceleration, Angle, AngularAcceleration, AngularSpeed, Duration, Length, Speed,
 };
@@ -28,6 +31,8 @@ pub struct Machine {
     pub max_cutting_path_speed: Speed,
     /// One or two cutters by station, the one nearer the spool first.
     pub cutters: Vec<Cutter>,
+    /// The distance across the tape that two carriages keep, if they share a beam.
+    pub beam_clearance: Option<Length>,
     /// Digital output of the knives' generator.
     pub ultrasonic_output: u32,
     /// Whether the operator may stop before each course.
@@ -45,6 +50,24 @@ impl Machine {
     #[must_use]
     pub fn overcut(&self) -> Length {
         Length::from_mm(self.cutters.iter().map(|cutter| cutter.overcut.mm()).fold(0.0, f64::max))
+    }
+
+    /// How far the tape must run beyond the last cut for axes that lead their edges, and before the first one for axes
+    /// that trail behind them, in mm.
+    #[must_use]
+    pub fn ahead_and_behind_mm(&self) -> (f64, f64) {
+        let offsets = || self.cutters.iter().map(|cutter| cutter.offset.mm());
+        (offsets().fold(0.0, f64::max), offsets().map(|offset| -offset).fold(0.0, f64::max))
+    }
+
+    /// Where all axes are when a program begins: at 0, the carriages where they are parked.
+    #[must_use]
+    pub fn home(&self) -> Pose {
+        let mut home = Pose::default();
+        for (at, cutter) in home.lateral_mm.iter_mut().zip(&self.cutters) {
+            *at = cutter.park_mm();
+        }
+        home
     }
 
     /// The time after which every knife that was told to come up is up.
@@ -106,6 +129,8 @@ pub struct Cutter {
     pub travel_speed: Speed,
     /// Largest acceleration of the carriage.
     pub lateral_acceleration: Acceleration,
+    /// Where the carriage stands at the start and at the end, if the profile says so.
+    pub park: Option<Length>,
     /// How far off the carriage may stand.
     pub lateral_error: Length,
     /// Axis letter of the blade.
@@ -118,6 +143,8 @@ pub struct Cutter {
     pub blade_acceleration: AngularAcceleration,
     /// Range of the blade axis, smallest and largest.
     pub blade_range: (Angle, Angle),
+    /// How far the edge trails behind the axis that turns it, along the cut.
+    pub offset: Length,
     /// How far a cut goes on past its ends where no piece lies.
     pub overcut: Length,
     /// A sharper corner is turned with the knife up.
@@ -128,6 +155,26 @@ pub struct Cutter {
     pub down_dwell: Duration,
     /// Time to settle after the knife goes up.
     pub up_dwell: Duration,
+}
+
+impl Cutter {
+    /// Where the carriage stands at the start, in mm: over the middle of the tape if the profile says nothing.
+    #[must_use]
+    pub fn park_mm(&self) -> f64 {
+        self.park.map_or(0.0, Length::mm)
+    }
+
+    /// Whether the edge of its blade lies beside the axis that turns it, so that the axis goes another way than the cut.
+    #[must_use]
+    pub fn swivels(&self) -> bool {
+        self.offset.mm() != 0.0
+    }
+
+    /// What is left of a chord tolerance for thinning the cuts of its edge, in mm, of so much that the tape leaves.
+    #[must_use]
+    pub fn thinning_mm(&self, left_mm: f64, tolerance_mm: f64) -> f64 {
+        if self.swivels() { left_mm - OFFSET_SHARE * tolerance_mm } else { left_mm }
+    }
 }
 
 /// `two-cutter-lab` is exactly the profile of jobs.md.
@@ -164,7 +211,8 @@ pub fn resolve(
 /// # Errors
 /// Every fault of the profile, with pointers below `at`.
 pub fn check(profile: &wire::MachineProfile, at: &str) -> Result<Machine, Vec<Finding>> {
-    let mut faults = unsupported(profile, at);
+    let mut faults = Vec::new();
+    check_beam(profile, at, &mut faults);
     check_spool(&profile.feed, at, &mut faults);
     check_cutters(profile, at, &mut faults);
     check_letters(profile, at, &mut faults);
@@ -187,27 +235,38 @@ pub fn fingerprint(profile: &wire::MachineProfile) -> String {
     sha256_hex(&serde_json::to_vec(&nameless).expect("a profile can be written as JSON"))
 }
 
-/// What the contract names and the planner does not do yet is refused, not passed over.
-fn unsupported(profile: &wire::MachineProfile, at: &str) -> Vec<Finding> {
-    let mut faults = Vec::new();
-    let mut refuse = |refused: bool, field: String, what: &str| {
-        if refused {
-            faults.push(Finding::error(Code::NotSupported, format!("{at}{field}"), format!("{what} yet")));
-        }
-    };
-    // A program starts with both carriages at V 0, so stations closer than that could not keep it even there.
-    let apart = profile.cutters.windows(2).map(|pair| (pair[1].station_mm - pair[0].station_mm).abs());
-    refuse(
-        apart.fold(f64::INFINITY, f64::min) < profile.carriage_clearance_mm,
-        "/carriage_clearance_mm".into(),
-        "carriages whose stations are closer than they must stay apart share a beam, which is not planned",
-    );
-    for (index, cutter) in profile.cutters.iter().enumerate() {
-        let blade = format!("/cutters/{index}/blade");
-        refuse(cutter.blade.offset_mm != 0.0, format!("{blade}/offset_mm"), "a blade offset is not planned");
-    }
-    faults
+/// The distance that carriages keep which share a beam: that of two whose stations are closer to one another.
+fn shared_beam(profile: &wire::MachineProfile) -> Option<f64> {
+    let [one, other] = profile.cutters.as_slice() else { return None };
+    let clearance_mm = profile.carriage_clearance_mm;
+    ((other.station_mm - one.station_mm).abs() < clearance_mm).then_some(clearance_mm)
 }
+
+/// Carriages on one beam cannot pass one another, so where they are parked settles which is above.
+fn check_beam(profile: &wire::MachineProfile, at: &str, faults: &mut Vec<Finding>) {
+    let park = |cutter: &wire::Cutter| cutter.lateral.park_mm.unwrap_or(0.0);
+    for (index, cutter) in profile.cutters.iter().enumerate() {
+        let (low, high) = (cutter.lateral.min_mm, cutter.lateral.max_mm);
+        if cutter.lateral.park_mm.is_some() && !(low..=high).contains(&park(cutter)) {
+            let message = format!("the carriage travels from {low} to {high} mm and is parked there");
+            let at = format!("{at}/cutters/{index}/lateral/park_mm");
+            faults.push(Finding::error(Code::OutOfRange, at, message));
+        }
+    }
+    let Some(clearance_mm) = shared_beam(profile) else { return };
+    let apart_mm = (park(&profile.cutters[0]) - park(&profile.cutters[1])).abs();
+    if apart_mm < clearance_mm {
+        let message = format!(
+            "carriages whose stations are closer than {clearance_mm} mm share a beam and are parked at least so far apart \
+             (lateral.park_mm of both cutters), not {apart_mm} mm"
+        );
+        faults.push(Finding::error(Code::OutOfRange, format!("{at}/carriage_clearance_mm"), message));
+    }
+}
+
+/// A smaller offset, in mm, is none. It is the positioning of the platform's knives (domain.md A1), and LinuxCNC feeds no
+/// slower than 0.1 mm/min: round an edge so near its axis a blade would turn faster than it may.
+const SMALLEST_OFFSET_MM: f64 = 0.01;
 
 fn check_cutters(profile: &wire::MachineProfile, at: &str, faults: &mut Vec<Finding>) {
     for (index, cutter) in profile.cutters.iter().enumerate() {
@@ -215,6 +274,12 @@ fn check_cutters(profile: &wire::MachineProfile, at: &str, faults: &mut Vec<Find
         if cutter.number as usize != index + 1 {
             let message = format!("cutters are numbered 1, 2 in this order; here stands {}", cutter.number);
             faults.push(Finding::error(Code::OutOfRange, format!("{here}/number"), message));
+        }
+        if cutter.blade.offset_mm != 0.0 && cutter.blade.offset_mm.abs() < SMALLEST_OFFSET_MM {
+            let message = format!(
+                "an offset of less than {SMALLEST_OFFSET_MM} mm is within the positioning of knives; say 0"
+            );
+            faults.push(Finding::error(Code::OutOfRange, format!("{here}/blade/offset_mm"), message));
         }
         if cutter.lateral.min_mm >= cutter.lateral.max_mm {
             let message = "min_mm must be smaller than max_mm";
@@ -305,6 +370,7 @@ fn take_over(profile: &wire::MachineProfile, words: Option<Words>) -> Machine {
         },
         max_cutting_path_speed: Speed::from_mm_s(profile.max_cutting_path_speed_mm_s),
         cutters: profile.cutters.iter().map(take_over_cutter).collect(),
+        beam_clearance: shared_beam(profile).map(Length::from_mm),
         ultrasonic_output: profile.ultrasonic.output,
         optional_stop_per_course: profile.program.optional_stop_per_course,
         max_line_characters: profile.program.max_line_characters as usize,
@@ -338,12 +404,14 @@ fn take_over_cutter(cutter: &wire::Cutter) -> Cutter {
         cutting_speed: Speed::from_mm_s(lateral.cutting_speed_mm_s),
         travel_speed: Speed::from_mm_s(lateral.travel_speed_mm_s),
         lateral_acceleration: Acceleration::from_mm_s2(lateral.max_acceleration_mm_s2),
+        park: lateral.park_mm.map(|park| Length::from_mm(rounded(park, DECIMALS))),
         lateral_error: Length::from_mm(lateral.error_mm.unwrap_or(0.0)),
         blade_axis: letter(&blade.axis),
         edges: blade.edges,
         blade_speed: AngularSpeed::from_deg_s(blade.max_speed_deg_s),
         blade_acceleration: AngularAcceleration::from_deg_s2(blade.max_acceleration_deg_s2),
         blade_range: (Angle::from_degrees(blade.min_deg), Angle::from_degrees(blade.max_deg)),
+        offset: Length::from_mm(blade.offset_mm),
         overcut: Length::from_mm(blade.overcut_mm),
         lift_angle: Angle::from_degrees(blade.lift_angle_deg),
         knife_output: knife.output,

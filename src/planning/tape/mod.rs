@@ -3,10 +3,11 @@
 //! In the order in which a job passes through: `wire` (as it stands in JSON) -> `file` (what stands in files) ->
 //! `input`, `outline` and `machine` (checked), `courses` (generated) -> `develop` -> `piece` -> `chain` -> `assign` (the
 //! knives of a piece by itself) -> `roll` (`block` and `front`: what matters there of a piece; `place`: where it goes;
-//! `pace`: which knives are quickest) -> `stroke` -> `timeline`. `plan` puts the geometric steps together, `report` writes
+//! `pace`: which knives are quickest) -> `stroke` -> `overcut` -> `offset` -> `timeline`. `plan` puts the geometric steps together, `report` writes
 //! the figures.
 
 pub mod assign;
+pub mod beam;
 pub mod block;
 pub mod chain;
 pub mod courses;
@@ -18,6 +19,7 @@ pub mod file;
 pub mod front;
 pub mod input;
 pub mod machine;
+pub mod offset;
 pub mod outline;
 pub mod overcut;
 pub mod pace;
@@ -28,6 +30,7 @@ pub mod report;
 pub mod restart;
 pub mod roll;
 pub mod setup;
+pub mod sides;
 pub mod spool;
 pub mod stroke;
 pub mod timeline;
@@ -131,6 +134,13 @@ struct Written {
     findings: Vec<Finding>,
 }
 
+/// The strokes of the axes of each cutter.
+fn axis_strokes(plan: &TapePlan, input: &TapeInput) -> Result<Vec<Vec<stroke::Stroke>>, Vec<Finding>> {
+    let mut strokes = plan.strokes(input);
+    overcut::extend(&mut strokes, plan, &input.machine);
+    offset::follow(strokes, &input.machine, input.tolerance.mm())
+}
+
 fn write(
     plan: &TapePlan,
     input: &TapeInput,
@@ -146,6 +156,7 @@ fn write(
     let mut strokes = plan.strokes(input);
     let findings = overcut::extend(&mut strokes, plan, machine).into_iter().collect();
     let trace = trace::planted(plan, &strokes, input);
+    let strokes = offset::follow(strokes, machine, input.tolerance.mm())?;
     let kept = input.from_course.map(|_| strokes.clone());
     let mut bound_time_s = timeline::bound_s(&strokes, machine);
     let whole = timeline::merge(strokes, machine, input.tolerance.mm())?;
@@ -183,7 +194,7 @@ fn finish(
     drawings.push(timeline_drawing(&written.program, &input.machine));
     budget.stage("report");
     let Written { text, program, bound_time_s, trace, .. } = written;
-    let report = TapeReport::new(plan, input, program.time_s, bound_time_s, figures);
+    let report = TapeReport::new(plan, input, &program, bound_time_s, figures);
     let file = ProgramFile { name, dialect: language(input.machine.dialect).name, text };
     let sheet = (!any_error(&findings)).then(|| setup::sheet(plan, &program, &file, input, input_sha256));
     let attachments = trace.attachments().into_iter().chain(sheet).collect();

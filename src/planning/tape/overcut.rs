@@ -5,6 +5,7 @@
 //! would, it is shorter, which is said.
 
 use super::machine::{Cutter, Machine};
+use super::offset::ahead_mm;
 use super::plan::TapePlan;
 use super::stroke::{DECIMALS, Knot, Stroke};
 use crate::planning::finding::{Code, Finding};
@@ -41,15 +42,15 @@ pub fn extend(strokes: &mut [Vec<Stroke>], plan: &TapePlan, machine: &Machine) -
         let mut free_from = 0.0;
         for index in 0..strokes.len() {
             // Two strokes of a knife share the tape between them: nobody runs it backwards.
-            let next = strokes.get(index + 1).map(|stroke| stroke.knots[0].x);
+            let next = strokes.get(index + 1).map(|stroke| extender.axis_x(&stroke.knots[0]));
             let stroke = &mut strokes[index];
-            let end_x = stroke.knots[stroke.knots.len() - 1].x;
+            let end_x = extender.axis_x(&stroke.knots[stroke.knots.len() - 1]);
             let free_to = next.map_or(f64::INFINITY, |next| rounded(f64::midpoint(end_x, next), DECIMALS));
             for (end, free) in [(End::First, free_from), (End::Last, free_to)] {
                 let short_mm = cutter.overcut.mm() - extender.extend(stroke, end, free);
                 said.note(short_mm, stroke.course);
             }
-            free_from = stroke.knots[stroke.knots.len() - 1].x;
+            free_from = extender.axis_x(&stroke.knots[stroke.knots.len() - 1]);
         }
     }
     said.finding()
@@ -70,6 +71,11 @@ struct Extender<'a> {
 }
 
 impl Extender<'_> {
+    /// The reading of the tape axis at which the edge stands over a knot.
+    fn axis_x(&self, knot: &Knot) -> f64 {
+        knot.x + ahead_mm(self.cutter, knot.blade_deg).x
+    }
+
     /// Extends an end of a stroke, the tape not passing `free`, and gives by how much.
     fn extend(&self, stroke: &mut Stroke, end: End, free: f64) -> f64 {
         let last = stroke.knots.len() - 1;
@@ -77,6 +83,8 @@ impl Extender<'_> {
             End::First => (stroke.knots[0], stroke.knots[1]),
             End::Last => (stroke.knots[last], stroke.knots[last - 1]),
         };
+        // On the way the axis is ahead of the edge by the same everywhere.
+        let free = free - (self.axis_x(&knot) - knot.x);
         let way = outward(&knot, &inner);
         let length = self.length(&knot, way, free);
         if length < SHORTEST_MM {
@@ -101,7 +109,8 @@ impl Extender<'_> {
     fn length(&self, knot: &Knot, way: Vector2, free: f64) -> f64 {
         let (low, high) = (self.cutter.lateral_range.0.mm(), self.cutter.lateral_range.1.mm());
         let until = |at: f64, way: f64, wall: f64| if way == 0.0 { f64::INFINITY } else { (wall - at) / way };
-        let across = until(knot.v, way.y, if way.y > 0.0 { high } else { low });
+        let axis_v = knot.v + ahead_mm(self.cutter, knot.blade_deg).y;
+        let across = until(axis_v, way.y, if way.y > 0.0 { high } else { low });
         let along = until(knot.x, way.x, free);
         let length = self.cutter.overcut.mm().min(across).min(along);
         let from = Point2::new(self.x_of_r0 - knot.x, knot.v);

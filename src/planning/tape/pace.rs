@@ -45,6 +45,13 @@ pub fn least_time(chains: &[RollChain], seconds: &[f64], knives: Vec<usize>, apa
     given
 }
 
+/// Groups of chains that hang together on the roll, as places in the list.
+#[must_use]
+pub fn hanging_together(chains: &[RollChain]) -> Vec<Vec<usize>> {
+    let none = vec![0; chains.len()];
+    groups(chains, &vec![0.0; chains.len()], &none).into_iter().map(|group| group.chains).collect()
+}
+
 impl Group {
     fn of_knife(&self, knife: usize, swapped: bool) -> &[Busy] {
         &self.lists[if swapped { 1 - knife } else { knife }]

@@ -5,12 +5,14 @@ use super::block::{Block, Rule, Way};
 use super::chain::{Chain, split};
 use super::develop::{PlyInSpace, develop};
 use super::input::{Allocation, Course, OnExcess, TapeInput};
-use super::machine::Machine;
+use super::machine::{Cutter, Machine};
+use super::offset::{busy_mm, parted};
 use super::outline::{flat_area, report_sense};
 use super::pace::least_time;
 use super::piece::{Piece, within_strip};
 use super::place::Tape;
 use super::roll::{Roll, RollFigures, lay};
+use super::sides::keep_sides;
 use super::stroke::{Stroke, strokes};
 use crate::planning::budget::Budget;
 use crate::planning::finding::{Code, Finding};
@@ -170,7 +172,9 @@ fn chained(mut piece: Piece, input: &TapeInput) -> PlannedPiece {
         .cuts()
         .enumerate()
         .flat_map(|(index, cut)| split(index, cut, half_width_mm))
-        .map(|chain| {
+        .flat_map(|chain| parted(chain, &input.machine, input.thinning_mm(), input.tolerance.mm()))
+        .map(|mut chain| {
+            chain.busy_mm = busy_mm(&chain, &input.machine, input.thinning_mm(), input.tolerance.mm());
             let cutter = published(&chain).0.min(knives - 1);
             (chain, cutter)
         })
@@ -200,13 +204,17 @@ fn assign_knives(courses: &mut [PlannedCourse], input: &TapeInput) -> Result<Vec
         // Whoever asks for any valid way is not told that it is another one than the published.
         findings.clear();
     }
+    if input.machine.cutters.iter().any(Cutter::swivels) {
+        let counted = " (places are those of the blades' axes, which lie beside their edges)";
+        faults.iter_mut().for_each(|fault: &mut Finding| fault.message.push_str(counted));
+    }
     if faults.is_empty() { Ok(findings) } else { Err(faults) }
 }
 
 /// The chains of a piece that knives make for it, on the roll.
 fn roll_chains(course: &PlannedCourse, piece: &PlannedPiece) -> Vec<RollChain> {
     let on_roll = |(chain, cutter): &(Chain, usize)| {
-        let (low, high) = chain.u_range();
+        let (low, high) = chain.busy_mm;
         RollChain {
             course: course.number,
             course_index: course.index,
@@ -243,12 +251,17 @@ fn on_roll(mut courses: Vec<PlannedCourse>, input: &TapeInput) -> Result<TapePla
     let of_courses: Vec<usize> = places.iter().map(|(course, _)| *course).collect();
     // The U axis reads 0 with the leading end of the tape under cutter 1.
     let first_station = input.machine.cutters[0].station.mm();
-    // The first cut begins before its piece by as much as it overcuts.
-    let leading_end_mm = roll.leading_end_mm + input.machine.overcut().mm();
+    // The first cut begins before its piece by as much as it overcuts, and as an axis trails behind its edge.
+    let (_, behind_mm) = input.machine.ahead_and_behind_mm();
+    let leading_end_mm = roll.leading_end_mm + input.machine.overcut().mm() + behind_mm;
     let lead_mm = rounded(leading_end_mm - first_station, super::stroke::DECIMALS);
     let figures = roll.figures(&blocks, &of_courses, area_mm2, input.width.mm(), lead_mm, &tape);
     let order = roll.order.iter().map(|&index| places[index]).collect();
-    Ok(TapePlan { courses, order, leading_end_mm: roll.leading_end_mm, figures })
+    let mut plan = TapePlan { courses, order, leading_end_mm: roll.leading_end_mm, figures };
+    if rule == Rule::Count {
+        keep_sides(&mut plan, input);
+    }
+    Ok(plan)
 }
 
 /// All pieces in laying order.
@@ -304,15 +317,20 @@ fn give_for_least_time(courses: &mut [PlannedCourse], machine: &Machine) -> Resu
         [one, other] => least_time(&chains, &seconds, given, other.station.mm() - one.station.mm()),
         _ => given,
     };
-    let mut given = given.into_iter();
+    give(courses, &given);
+    Ok(())
+}
+
+/// Gives the chains that knives make to these knives, in the order of courses, pieces and chains.
+fn give(courses: &mut [PlannedCourse], given: &[usize]) {
+    let mut given = given.iter();
     for piece in courses.iter_mut().flat_map(|course| &mut course.pieces) {
         let shared = piece.shared.map(|shared| shared.cut);
         let made = piece.chains.iter_mut().filter(|(chain, _)| Some(chain.cut) != shared);
         for ((_, cutter), given) in made.zip(given.by_ref()) {
-            *cutter = given;
+            *cutter = *given;
         }
     }
-    Ok(())
 }
 
 /// The time in s that a knife needs for a chain at least.
@@ -355,17 +373,55 @@ impl TapePlan {
         })
     }
 
+    /// The chains that knives make, in the order of courses, pieces and chains.
+    fn made(&self) -> impl Iterator<Item = &(Chain, usize)> {
+        let pieces = self.courses.iter().flat_map(|course| &course.pieces);
+        pieces.flat_map(|piece| piece.chains.iter().filter(|(chain, _)| !piece.shares(chain)))
+    }
+
+    /// The chains that knives make, on the roll.
+    #[must_use]
+    pub fn made_chains(&self) -> Vec<RollChain> {
+        let pieces =
+            self.courses.iter().flat_map(|course| course.pieces.iter().map(move |piece| (course, piece)));
+        pieces.flat_map(|(course, piece)| roll_chains(course, piece)).collect()
+    }
+
+    /// The knife of each chain that knives make, as [`TapePlan::made_chains`] lists them.
+    #[must_use]
+    pub fn knives(&self) -> Vec<usize> {
+        self.made().map(|(_, knife)| *knife).collect()
+    }
+
+    /// In the middle of which v in mm each chain lies that knives make.
+    #[must_use]
+    pub fn middles_v(&self) -> Vec<f64> {
+        let middle = |(chain, _): &(Chain, usize)| {
+            let vs = || chain.points.iter().map(|point| point.y);
+            f64::midpoint(vs().fold(f64::INFINITY, f64::min), vs().fold(f64::NEG_INFINITY, f64::max))
+        };
+        self.made().map(middle).collect()
+    }
+
+    /// Gives the chains to other knives, as [`TapePlan::made_chains`] lists them.
+    pub fn give(&mut self, knives: &[usize]) {
+        give(&mut self.courses, knives);
+        colour_shared(&mut self.courses);
+    }
+
     /// The strokes of each cutter in the order in which they pass it, whatever pieces they are of.
     #[must_use]
     pub fn strokes(&self, input: &TapeInput) -> Vec<Vec<Stroke>> {
-        let thinning_mm = input.machine.feed.thinning_mm(input.tolerance.mm());
         let mut of_cutters: Vec<Vec<Stroke>> = vec![Vec::new(); input.machine.cutters.len()];
         for (course, piece, (chain, cutter)) in self.passing_chains() {
             let machine_cutter = &input.machine.cutters[*cutter];
             let x_of_u0 = self.figures.lead_mm - piece.offset_mm + machine_cutter.station.mm();
+            let thinning_mm = machine_cutter.thinning_mm(input.thinning_mm(), input.tolerance.mm());
             let mut made = strokes(chain, course.number, machine_cutter, x_of_u0, thinning_mm);
             let before = of_cutters[*cutter].last().and_then(|stroke| stroke.knots.last());
-            hold_back(&mut made, before.map_or(f64::NEG_INFINITY, |knot| knot.x));
+            if !machine_cutter.swivels() {
+                hold_back(&mut made, before.map_or(f64::NEG_INFINITY, |knot| knot.x));
+            }
             of_cutters[*cutter].extend(made);
         }
         of_cutters
@@ -382,7 +438,7 @@ impl TapePlan {
             let on_roll = |piece: &PlannedPiece, (low, high): (f64, f64)| {
                 (low + piece.offset_mm, high + piece.offset_mm)
             };
-            passing(on_roll(one, a.u_range()), on_roll(other, b.u_range()))
+            passing(on_roll(one, a.busy_mm), on_roll(other, b.busy_mm))
         });
         chains
     }
@@ -406,7 +462,8 @@ impl TapePlan {
     #[must_use]
     pub fn lacking_tape(&self, input: &TapeInput) -> Vec<Finding> {
         let stations = input.machine.cutters.iter().map(|cutter| cutter.station.mm());
-        let behind = stations.fold(f64::NEG_INFINITY, f64::max) - input.machine.cutters[0].station.mm();
+        let behind = stations.fold(f64::NEG_INFINITY, f64::max) - input.machine.cutters[0].station.mm()
+            + input.machine.ahead_and_behind_mm().0;
         let axis = input.machine.feed.max_length.mm();
         let spool = input.tape_length.map(|length| {
             let what = format!("the spool holds {} mm of tape", length.mm());

@@ -8,6 +8,7 @@ use super::plan::{PlannedCourse, PlannedPiece, TapePlan};
 use super::roll::RollFigures;
 use super::tips::{Tip, tips};
 use crate::planning::geometry::Point2;
+use crate::planning::program::moves::TapeProgram;
 use crate::planning::program::replay::ReplayFigures;
 
 /// The fields of a report that are the kind's own.
@@ -29,6 +30,9 @@ pub struct TapeReport<'a> {
     /// The course from which on the program goes.
     #[serde(skip_serializing_if = "Option::is_none")]
     from_course: Option<u32>,
+    /// How much of `time_s` is the tape's way from 0 to where that course begins: nothing if it stands there already.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    approach_s: Option<f64>,
     /// The program is a dry run; the figures of the replay are those of the program that cuts.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     dry_run: bool,
@@ -102,7 +106,7 @@ impl<'a> TapeReport<'a> {
     pub fn new(
         plan: &'a TapePlan,
         input: &TapeInput,
-        time_s: f64,
+        program: &TapeProgram,
         bound_time_s: f64,
         replay: ReplayFigures,
     ) -> Self {
@@ -117,12 +121,13 @@ impl<'a> TapeReport<'a> {
             courses: courses.collect(),
             roll: plan.figures,
             manifest: manifest(plan),
-            time_s,
+            time_s: program.time_s,
             bound_time_s,
             replay,
             simplified: plan.courses.iter().filter_map(simplified_report).collect(),
             tips: tips(plan, machine),
             from_course: input.from_course,
+            approach_s: input.from_course.map(|_| program.approach_s),
             dry_run: input.dry_run,
         }
     }

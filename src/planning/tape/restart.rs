@@ -1,9 +1,11 @@
 //! A program that goes on from a course: what is cut before it in the whole program counts as cut.
 
 use super::machine::Machine;
+use super::offset::edge;
+use super::timeline::Pace;
 use crate::planning::finding::{Code, Finding};
 use crate::planning::program::moves::{Pose, Step, TapeProgram};
-use crate::planning::program::nc::emit::restore_s;
+use crate::planning::program::nc::emit::{restore_feed, restore_s};
 
 /// Where the option stands.
 const AT: &str = "/input/options/from_course";
@@ -35,16 +37,18 @@ pub fn from_course(
     if matches!(whole.steps[index], Step::Course { restartable: false, .. }) {
         return Err(not_here(whole, number));
     }
-    let (start, before) = done(&whole.steps[..index], machine, lead_mm);
+    let (start, before) = done(&whole.steps[..index], whole.start, machine, lead_mm);
     if before.is_empty() {
-        // What is left is all of it, from the all-zero pose on.
+        // What is left is all of it, from where every program begins.
         return Ok(Restart { program: whole.clone(), before });
     }
-    let into_place_s = machine.settled().s() + rest_to_rest_s(machine, &start);
+    let approach_s = tape_into_place_s(machine, &start);
+    let into_place_s = machine.settled().s() + approach_s + carriages_into_place_s(machine, &start);
     let later = |end: &f64| end - whole.ends_s[index] + into_place_s;
     let program = TapeProgram {
         steps: whole.steps[index..].to_vec(),
         time_s: later(&whole.time_s),
+        approach_s,
         ends_s: whole.ends_s[index..].iter().map(later).collect(),
         start,
         dry: whole.dry,
@@ -66,43 +70,58 @@ fn not_here(whole: &TapeProgram, number: u32) -> Finding {
 }
 
 /// Where the axes stand after some steps, and what the knives have cut.
-fn done(steps: &[Step], machine: &Machine, lead_mm: f64) -> (Pose, Vec<Vec<[f64; 2]>>) {
-    let mut pose = Pose::default();
-    let mut open: Vec<Option<Vec<[f64; 2]>>> = vec![None; machine.cutters.len()];
+fn done(steps: &[Step], start: Pose, machine: &Machine, lead_mm: f64) -> (Pose, Vec<Vec<[f64; 2]>>) {
+    let mut pose = start;
+    let mut open: Vec<Option<Vec<Place>>> = vec![None; machine.cutters.len()];
     let mut cut = Vec::new();
     let place = |cutter: usize, pose: &Pose| {
         let station_mm = machine.cutters[cutter].station.mm();
-        [lead_mm - pose.feed_mm + station_mm, pose.lateral_mm[cutter]]
+        ([lead_mm - pose.feed_mm + station_mm, pose.lateral_mm[cutter]], pose.blade_deg[cutter])
     };
     for step in steps {
         match *step {
             Step::Move { to, .. } => {
-                for (cutter, points) in open.iter_mut().enumerate() {
+                for (cutter, places) in open.iter_mut().enumerate() {
                     let (from, next) = (place(cutter, &pose), place(cutter, &to));
-                    points.iter_mut().filter(|_| from != next).for_each(|points| points.push(next));
+                    places.iter_mut().filter(|_| from != next).for_each(|places| places.push(next));
                 }
                 pose = to;
             }
             Step::Knife { cutter, down: true } => open[cutter] = Some(vec![place(cutter, &pose)]),
-            Step::Knife { cutter, down: false } => cut.extend(open[cutter].take()),
+            Step::Knife { cutter, down: false } => {
+                cut.extend(open[cutter].take().map(|places| edge(&places, &machine.cutters[cutter])));
+            }
             _ => {}
         }
     }
     (pose, cut)
 }
 
-/// The move into place from the all-zero pose, with its slowest axis coming up to speed and down again.
-fn rest_to_rest_s(machine: &Machine, to: &Pose) -> f64 {
-    if *to == Pose::default() {
-        return 0.0;
-    }
-    let cruise_s = restore_s(machine, to);
-    let feed = machine.feed.way_mm(0.0, to.feed_mm) / machine.feed.max_acceleration.mm_s2();
-    let axes = machine.cutters.iter().enumerate().flat_map(|(k, cutter)| {
+/// Where the axis of a cutter stands over the roll, (r, v) in mm, and its blade in degrees.
+type Place = ([f64; 2], f64);
+
+/// How long the tape runs from 0 into its place, from rest to rest.
+fn tape_into_place_s(machine: &Machine, to: &Pose) -> f64 {
+    let feed = &machine.feed;
+    let way = feed.spool.as_ref().map_or(to.feed_mm, |spool| spool.angle_deg(to.feed_mm));
+    let cruise_s = 60.0 * way / restore_feed(machine);
+    paced(cruise_s, [(feed.way_mm(0.0, to.feed_mm), feed.max_acceleration.mm_s2())])
+}
+
+/// How long carriages and blades go into their places from where every program begins.
+fn carriages_into_place_s(machine: &Machine, to: &Pose) -> f64 {
+    let ways = machine.cutters.iter().enumerate().flat_map(|(k, cutter)| {
         [
-            to.lateral_mm[k].abs() / cutter.lateral_acceleration.mm_s2(),
-            to.blade_deg[k].abs() / cutter.blade_acceleration.deg_s2(),
+            ((to.lateral_mm[k] - cutter.park_mm()).abs(), cutter.lateral_acceleration.mm_s2()),
+            (to.blade_deg[k].abs(), cutter.blade_acceleration.deg_s2()),
         ]
     });
-    cruise_s + axes.fold(feed, f64::max) / cruise_s
+    if machine.home() == (Pose { feed_mm: 0.0, ..*to }) { 0.0 } else { paced(restore_s(machine), ways) }
+}
+
+/// A move of a given time at cruising speed, its slowest axis coming up to speed and down again.
+fn paced(cruise_s: f64, ways: impl IntoIterator<Item = (f64, f64)>) -> f64 {
+    let mut pace = Pace { cruise_s, ..Pace::default() };
+    ways.into_iter().for_each(|(way, acceleration)| pace.hold(way, f64::INFINITY, acceleration));
+    pace.rest_to_rest_s()
 }

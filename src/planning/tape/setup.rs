@@ -1,12 +1,13 @@
 //! The set-up sheet: what a person at the machine needs before a roll is cut. Markdown, of content only.
 
 use super::input::TapeInput;
-use super::machine::{Dialect, Machine};
+use super::machine::{Cutter, Dialect, Machine};
 use super::plan::TapePlan;
 use super::spool::Turning;
 use crate::planning::outcome::{Attachment, PLANNER_VERSION, ProgramFile, sha256_hex};
 use crate::planning::program::moves::{Pose, Step, TapeProgram};
 use crate::planning::program::number::fixed;
+use crate::planning::units::Length;
 
 /// Writes the sheet of a program: `setup.md`. Lengths in mm with one decimal.
 #[must_use]
@@ -35,7 +36,7 @@ fn warnings(program: &TapeProgram, input: &TapeInput) -> String {
              It is no cut unit: do not book it as one.\n\n",
         );
     }
-    if let Some(course) = input.from_course.filter(|_| program.start != Pose::default()) {
+    if let Some(course) = input.from_course.filter(|_| program.start != input.machine.home()) {
         text.push_str(&format!(
             "**GOES ON WITHIN A ROLL, from course {course}.** Only for the roll whose earlier courses this job's whole program has \
              cut, and of which nothing from course {course} on is cut. Do not zero the axes: {} must read {} or less, as in \
@@ -78,9 +79,22 @@ fn program_part(program: &TapeProgram, file: &ProgramFile, machine: &Machine, in
         ("input SHA-256", format!("`{input_sha256}`")),
         ("planner", PLANNER_VERSION.to_owned()),
         ("machine profile SHA-256", format!("`{}`", machine.profile_sha256)),
-        ("expected time", format!("{} ({} s)", clock(program.time_s), fixed(program.time_s, 1))),
+        ("expected time", expected_time(program)),
     ];
     format!("## Program\n\n{}", table(&rows))
+}
+
+/// What the tape needs into its place counts only if it has to come from its beginning.
+fn expected_time(program: &TapeProgram) -> String {
+    let there_s = program.time_s - program.approach_s;
+    let time = format!("{} ({} s)", clock(there_s), fixed(there_s, 1));
+    if program.approach_s > 0.0 {
+        let from_zero = clock(program.approach_s);
+        return format!(
+            "{time} with the tape in its place already; from 0 the tape runs {from_zero} before that"
+        );
+    }
+    time
 }
 
 /// Hours, minutes and whole seconds, rounded up.
@@ -149,7 +163,10 @@ fn zero_part(program: &TapeProgram, machine: &Machine) -> String {
         let station = mm(cutter.station.mm());
         rows.push((
             format!("{} (mm)", cutter.lateral_axis),
-            format!("0 with cutter {number} over the middle of the tape; the cutter stands at station {station} mm"),
+            format!(
+                "0 with cutter {number} over the middle of the tape; the cutter stands at station {station} mm{}",
+                parked(cutter)
+            ),
         ));
         rows.push((
             format!("{} (degrees)", cutter.blade_axis),
@@ -159,12 +176,17 @@ fn zero_part(program: &TapeProgram, machine: &Machine) -> String {
     }
     rows.push(("ultrasonic".to_owned(), format!("off; {}", ultrasonic(machine))));
     let rows: Vec<(&str, String)> = rows.iter().map(|(what, is)| (what.as_str(), is.clone())).collect();
-    let title = if program.start == Pose::default() {
+    let title = if program.start == machine.home() {
         "Zero positions at the start"
     } else {
         "Where the axes read 0 (set before the whole program, not now)"
     };
     format!("## {title}\n\n{}", table(&rows))
+}
+
+fn parked(cutter: &Cutter) -> String {
+    let park = |at: &Length| format!("; parked at {} mm at the start and at the end", fixed(at.mm(), 3));
+    cutter.park.as_ref().map_or(String::new(), park)
 }
 
 fn switched(machine: &Machine, cutter: usize) -> String {

@@ -21,7 +21,8 @@ pub struct Knot {
     /// Carriage in mm, rounded to [`DECIMALS`].
     pub v: f64,
     /// Blade in degrees on the segment that begins here; the last knot repeats that of the last segment.
-    /// Continuous along the stroke; the whole stroke may be turned by a period of the blade.
+    /// Continuous along the stroke; the whole stroke may be turned by a period of the blade. Of an axis beside its edge
+    /// it is the blade at the knot, and turns evenly from one to the next.
     pub blade_deg: f64,
 }
 
@@ -50,10 +51,9 @@ pub fn period_deg(edges: Edges) -> f64 {
 /// `x_of_r0` is the reading of the tape axis at which the knife stands over u = 0 of the piece.
 #[must_use]
 pub fn strokes(chain: &Chain, course: u32, cutter: &Cutter, x_of_u0: f64, tolerance_mm: f64) -> Vec<Stroke> {
-    // What making the chain monotone has used of the tolerance is not there for thinning.
-    let kept = kept(&chain.points, tolerance_mm - chain.shift_mm);
-    let points: Vec<Point2> = kept.into_iter().map(|index| chain.points[index]).collect();
-    let segments = segments(&points, period_deg(cutter.edges));
+    // An axis beside its edge leads in the direction of the cut, which half a turn changes.
+    let period = if cutter.swivels() { 360.0 } else { period_deg(cutter.edges) };
+    let segments = segments(&thinned(chain, tolerance_mm), period);
     let mut strokes: Vec<Stroke> = Vec::new();
     let mut last_blade: Option<f64> = None;
     for segment in segments {
@@ -76,6 +76,13 @@ pub fn strokes(chain: &Chain, course: u32, cutter: &Cutter, x_of_u0: f64, tolera
         last_blade = Some(blade_deg);
     }
     strokes
+}
+
+/// The points of a chain, thinned. What making it monotone has used of the tolerance is not there for that.
+#[must_use]
+pub fn thinned(chain: &Chain, tolerance_mm: f64) -> Vec<Point2> {
+    let kept = kept(&chain.points, tolerance_mm - chain.shift_mm);
+    kept.into_iter().map(|index| chain.points[index]).collect()
 }
 
 struct Segment {

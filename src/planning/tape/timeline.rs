@@ -7,6 +7,7 @@
 
 use std::collections::{BTreeSet, VecDeque};
 
+use super::beam::{Beam, Conflict, Task};
 use super::machine::{Cutter, Machine};
 use super::stroke::{DECIMALS, Knot, Stroke, nearest, period_deg};
 use crate::planning::finding::{Code, Finding};
@@ -19,7 +20,8 @@ use crate::planning::tolerance::{BLADE_BLEND_DEG, SPOOL_SHARE};
 /// `tolerance_mm` is the chord tolerance, of which a driven spool takes its share.
 ///
 /// # Errors
-/// `AxisLimit` for every stroke that a carriage, a blade or the tape cannot reach.
+/// `AxisLimit` for every stroke that a carriage, a blade or the tape cannot reach, `CarriagesTooClose` for every place at
+/// which two carriages on one beam cannot keep their distance.
 pub fn merge(
     strokes: Vec<Vec<Stroke>>,
     machine: &Machine,
@@ -30,16 +32,21 @@ pub fn merge(
         return Err(unreachable);
     }
     let mut merge = Merge::new(strokes, machine, SPOOL_SHARE * tolerance_mm);
-    merge.push(Step::Ultrasonic { on: true });
-    loop {
-        merge.act_here();
-        match merge.next_x() {
-            Some(x) => merge.advance(merge.step_toward(x)),
-            None => break,
-        }
+    merge.run();
+    let too_close = merge.beam.as_ref().map(|beam| beam.findings(machine)).unwrap_or_default();
+    if too_close.is_empty() { Ok(merge.program) } else { Err(too_close) }
+}
+
+/// Where two carriages on one beam would come too close to one another.
+#[must_use]
+pub fn conflicts(strokes: Vec<Vec<Stroke>>, machine: &Machine) -> Vec<Conflict> {
+    if Beam::of(machine).is_none() {
+        return Vec::new();
     }
-    merge.push(Step::Ultrasonic { on: false });
-    Ok(merge.program)
+    // How a spool bends cuts within the tolerance says nothing here.
+    let mut merge = Merge::new(strokes, machine, f64::INFINITY);
+    merge.run();
+    merge.beam.map(|beam| beam.conflicts).unwrap_or_default()
 }
 
 fn unreachable(strokes: &[Vec<Stroke>], machine: &Machine) -> Vec<Finding> {
@@ -122,6 +129,7 @@ struct Merge<'a> {
     /// How far a driven spool may bend a cut, in mm.
     spool_off_mm: f64,
     carriages: Vec<Carriage<'a>>,
+    beam: Option<Beam>,
     pose: Pose,
     begun: BTreeSet<u32>,
     program: TapeProgram,
@@ -139,10 +147,37 @@ impl<'a> Merge<'a> {
             machine,
             spool_off_mm,
             carriages,
-            pose: Pose::default(),
+            beam: Beam::of(machine),
+            pose: machine.home(),
             begun: BTreeSet::new(),
-            program: TapeProgram::default(),
+            program: TapeProgram { start: machine.home(), ..TapeProgram::default() },
         }
+    }
+
+    fn run(&mut self) {
+        self.push(Step::Ultrasonic { on: true });
+        loop {
+            self.act_here();
+            match self.next_x() {
+                Some(x) => self.advance(self.step_toward(x)),
+                None => break,
+            }
+        }
+        self.push(Step::Ultrasonic { on: false });
+        if self.machine.cutters.iter().any(|cutter| cutter.park.is_some()) {
+            self.move_to(Pose { lateral_mm: self.machine.home().lateral_mm, ..self.pose });
+        }
+    }
+
+    /// Carriages on one beam keep apart; those of `due` are on their way to where their knives go down.
+    fn keep_apart(&mut self, to: &mut Pose, due: &[usize]) {
+        let Some(beam) = &mut self.beam else { return };
+        let task = |k: usize| {
+            let carriage = &self.carriages[k];
+            let bound = carriage.cutting.is_some() || due.contains(&k);
+            Task { stroke: carriage.strokes.front(), bound }
+        };
+        beam.keep(&mut to.lateral_mm, [task(0), task(1)], (self.pose.feed_mm, to.feed_mm));
     }
 
     fn push(&mut self, step: Step) {
@@ -205,6 +240,7 @@ impl<'a> Merge<'a> {
                 (to.lateral_mm[k], to.blade_deg[k]) = (knot.v, knot.blade_deg);
             }
         }
+        self.keep_apart(&mut to, &due);
         self.move_to(to);
         for &k in &due {
             self.push(Step::Knife { cutter: k, down: true });
@@ -249,6 +285,10 @@ impl<'a> Merge<'a> {
         let mut to = self.pose;
         for (k, carriage) in self.carriages.iter().enumerate() {
             let Some((at, stroke)) = carriage.cutting.zip(carriage.strokes.front()) else { continue };
+            if carriage.cutter.swivels() {
+                // It turns on its way from knot to knot.
+                continue;
+            }
             let wanted = stroke.knots[at].blade_deg;
             if (wanted - self.pose.blade_deg[k]).abs() > BLADE_BLEND_DEG {
                 to.blade_deg[k] = wanted;
@@ -265,6 +305,7 @@ impl<'a> Merge<'a> {
         for &k in &due {
             self.reach_next(k, &mut to);
         }
+        self.keep_apart(&mut to, &[]);
         self.move_to(to);
         !due.is_empty()
     }
@@ -273,7 +314,8 @@ impl<'a> Merge<'a> {
     fn reach_next(&mut self, k: usize, to: &mut Pose) {
         let carriage = &mut self.carriages[k];
         let Some((at, stroke)) = carriage.cutting.zip(carriage.strokes.front()) else { return };
-        to.blade_deg[k] = stroke.knots[at].blade_deg;
+        let blade_at = if carriage.cutter.swivels() { at + 1 } else { at };
+        to.blade_deg[k] = stroke.knots[blade_at].blade_deg;
         to.lateral_mm[k] = stroke.knots[at + 1].v;
         carriage.cutting = Some(at + 1);
     }
@@ -290,6 +332,7 @@ impl<'a> Merge<'a> {
                 self.travel(k, &mut to);
             }
         }
+        self.keep_apart(&mut to, &[]);
         self.move_to(to);
     }
 
@@ -301,23 +344,42 @@ impl<'a> Merge<'a> {
             return self.reach_next(k, to);
         }
         // Between its own knots the carriage lies on the segment itself, so that errors do not add up.
-        let v = from.v + (x - from.x) / (next.x - from.x) * (next.v - from.v);
+        let share = (x - from.x) / (next.x - from.x);
+        let v = from.v + share * (next.v - from.v);
         to.lateral_mm[k] = rounded(v, DECIMALS);
-        to.blade_deg[k] = from.blade_deg;
+        let turn = if carriage.cutter.swivels() { next.blade_deg - from.blade_deg } else { 0.0 };
+        to.blade_deg[k] = from.blade_deg + share * turn;
     }
 
     /// Travels toward the next stroke as far as a move allows without lasting longer for it.
     fn travel(&self, k: usize, to: &mut Pose) {
         let carriage = &self.carriages[k];
-        let Some(knot) = carriage.next() else { return };
         let pace = self.pace(&self.pose, to);
         let cutter = carriage.cutter;
+        let lateral = pace.room(cutter.travel_speed.mm_s(), cutter.lateral_acceleration.mm_s2());
+        if let Some(wish) = self.lateral_wish(k, to) {
+            to.lateral_mm[k] = toward(self.pose.lateral_mm[k], wish, lateral);
+        }
+        let Some(knot) = carriage.next() else { return };
         let blade = nearest(knot.blade_deg, period_deg(cutter.edges), self.pose.blade_deg[k]);
         let (min, max) = (cutter.blade_range.0.degrees(), cutter.blade_range.1.degrees());
-        let lateral = pace.room(cutter.travel_speed.mm_s(), cutter.lateral_acceleration.mm_s2());
         let turn = pace.room(cutter.blade_speed.deg_s(), cutter.blade_acceleration.deg_s2());
-        to.lateral_mm[k] = toward(self.pose.lateral_mm[k], knot.v, lateral);
         to.blade_deg[k] = toward(self.pose.blade_deg[k], blade.clamp(min, max), turn);
+    }
+
+    /// Where a carriage with its knife up goes meanwhile: to its next stroke, unless on a beam the other one is in the
+    /// way there, or wants to go there first.
+    fn lateral_wish(&self, k: usize, to: &Pose) -> Option<f64> {
+        let next = self.carriages[k].next();
+        let Some(beam) = &self.beam else { return next.map(|knot| knot.v) };
+        let wish = next.map_or(beam.park_mm(k), |knot| knot.v);
+        let other = &self.carriages[1 - k];
+        let first = |carriage: &Carriage<'_>| carriage.next().map_or(f64::INFINITY, |knot| knot.x);
+        let there = match other.next() {
+            Some(knot) if other.cutting.is_none() && first(other) < first(&self.carriages[k]) => knot.v,
+            _ => to.lateral_mm[1 - k],
+        };
+        Some(beam.wish(k, wish, there))
     }
 
     /// Moves all axes to a pose; says whether that was a move at all.
@@ -373,21 +435,22 @@ fn printed(pose: Pose) -> Pose {
 
 /// How fast a straight move of several axes can be, all of them starting and stopping together.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Pace {
+pub(super) struct Pace {
     /// Time at constant speed, in s: the slowest axis at its limit of speed.
-    cruise_s: f64,
+    pub(super) cruise_s: f64,
     /// The largest distance over acceleration, in s^2: the slowest axis to start.
-    start_s2: f64,
+    pub(super) start_s2: f64,
 }
 
 impl Pace {
-    fn hold(&mut self, distance: f64, speed: f64, acceleration: f64) {
+    /// Takes in the way of an axis with its limits of speed and acceleration.
+    pub(super) fn hold(&mut self, distance: f64, speed: f64, acceleration: f64) {
         self.cruise_s = self.cruise_s.max(distance / speed);
         self.start_s2 = self.start_s2.max(distance / acceleration);
     }
 
     /// Duration from rest to rest in s: a trapezoid of speed, or a triangle where the move is too short for it.
-    fn rest_to_rest_s(&self) -> f64 {
+    pub(super) fn rest_to_rest_s(&self) -> f64 {
         if self.cruise_s <= 0.0 {
             return 0.0;
         }
@@ -427,6 +490,7 @@ fn lateral_s(strokes: &[Stroke], cutter: &Cutter, machine: &Machine) -> f64 {
     });
     let starts = strokes.iter().filter_map(|stroke| stroke.knots.first()).map(|knot| knot.v);
     let ends = strokes.iter().filter_map(|stroke| stroke.knots.last()).map(|knot| knot.v);
-    let travels = starts.zip(std::iter::once(0.0).chain(ends)).map(|(start, end)| (start - end).abs());
+    let travels =
+        starts.zip(std::iter::once(cutter.park_mm()).chain(ends)).map(|(start, end)| (start - end).abs());
     cuts.sum::<f64>() + travels.sum::<f64>() / cutter.travel_speed.mm_s()
 }

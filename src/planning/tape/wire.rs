@@ -347,6 +347,9 @@ pub struct Lateral {
     /// How far off the carriage may stand, in mm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_mm: Option<f64>,
+    /// Where the carriage stands at the start and at the end, and goes when it is in the way, in mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub park_mm: Option<f64>,
 }
 
 /// The axis that turns the blade.
@@ -449,6 +452,7 @@ const CUTTER: Shape = Shape::Object(&[
             required("travel_speed_mm_s", RATE),
             required("max_acceleration_mm_s2", RATE),
             optional("error_mm", ERROR),
+            optional("park_mm", COORDINATE),
         ]),
     ),
     required(

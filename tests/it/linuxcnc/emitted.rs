@@ -18,6 +18,7 @@ use serde_json::json;
 
 use super::agreement::compare;
 use super::{fixture, interpret};
+use crate::blade_offset::offset;
 use crate::craft::overcutting;
 use crate::golden::{cases, outcome};
 use crate::profiles::{job, lab_with, plan_job};
@@ -91,8 +92,9 @@ fn meant(step: &Step, from: Positions) -> Vec<Event> {
                 Event::Output { number: 0, on: false },
                 Event::Output { number: 1, on: false },
                 Event::Dwell { seconds: 0.05 },
+                Event::Move { from, to: from, cruise_s: Some(0.0) },
                 Event::Output { number: 2, on: true },
-                Event::Move { from, to: from, cruise_s: Some(60.0) },
+                Event::Move { from, to: from, cruise_s: Some(10.0) },
             ];
         }
     }]
@@ -116,7 +118,7 @@ fn does(text: &str, program: &TapeProgram) -> Result<(), TestCaseError> {
         if let (Event::Move { cruise_s: Some(wish), .. }, Some(Event::Move { cruise_s: Some(is), .. })) =
             (&mut meant, &done)
         {
-            prop_assert!((*wish..*wish * 1.001).contains(is), "{is} s instead of {wish} s");
+            prop_assert!((*wish..=*wish * 1.001).contains(is), "{is} s instead of {wish} s");
             *wish = *is;
         }
         prop_assert_eq!(done, Some(meant));
@@ -153,17 +155,22 @@ fn every_planned_ply_agrees_with_our_reader() {
     runner(50).run(&plies(), agree).unwrap();
 }
 
-/// Overcuts, a spool's degrees, a program from a course on and a dry run.
+/// Overcuts, blade offsets, a spool's degrees, a program from a course on and a dry run.
 #[test]
 fn every_way_to_cut_the_example_agrees_with_our_reader() {
     let example = job("examples/wing-skin-trapezoid-45.job.json");
     let spool = json!({"core_radius_mm": 50, "roll_radius_mm": 150, "layer_thickness_mm": 0.4});
     let spooled = lab_with(&[("/feed/drive", json!("unwind_angle")), ("/feed/spool", spool)]);
+    let parked =
+        lab_with(&[("/cutters/0/lateral/park_mm", json!(60)), ("/cutters/1/lateral/park_mm", json!(-60))]);
     for (machine, options) in [
         (overcutting(1.5), json!(null)),
         (spooled, json!(null)),
         (lab_with(&[]), json!({"dry_run": true})),
         (overcutting(1.5), json!({"from_course": 1})),
+        (offset(1.0), json!(null)),
+        (offset(-2.0), json!({"allocation": "free"})),
+        (parked, json!(null)),
     ] {
         let planned = plan_job(&example, &machine, &options).unwrap();
         agrees(&planned.programs[0].text).unwrap();

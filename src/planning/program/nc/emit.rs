@@ -6,7 +6,7 @@
 use super::dialect::{Language, Switched, language};
 use crate::planning::outcome::PLANNER_VERSION;
 use crate::planning::program::moves::{Pose, Step, TapeProgram};
-use crate::planning::program::number::fixed;
+use crate::planning::program::number::{fixed, rounded};
 use crate::planning::tape::machine::{Feed, Machine};
 use crate::planning::tape::stroke::DECIMALS;
 
@@ -16,11 +16,8 @@ const FEED_DECIMALS: usize = 4;
 /// Decimals of the degrees of a spool: at a radius of 500 mm the last one is a tenth of a micron, as of [`DECIMALS`].
 const SPOOL_DECIMALS: usize = 5;
 
-/// The move into place at a restart takes at least so long, in s: the whole travel of any carriage is then slow.
-const RESTORE_S: f64 = 60.0;
-
-/// The tape is brought to a place of restart at this share of its speed at most.
-const RESTORE_SHARE: f64 = 0.2;
+/// At a restart every axis is brought into place at this share of its speed at most: a person stands beside it.
+pub const RESTORE_SHARE: f64 = 0.2;
 
 /// Writes a program.
 ///
@@ -34,7 +31,6 @@ pub fn emit(program: &TapeProgram, machine: &Machine, input_sha256: &str) -> Str
         pose: program.start,
         dry: program.dry,
         number: 0,
-        all_axes: false,
     };
     writer.header(input_sha256);
     for step in &program.steps {
@@ -52,16 +48,20 @@ struct Writer<'a> {
     /// Whether nothing is switched on.
     dry: bool,
     number: u32,
-    /// Whether the next move names every axis, so that the program can be started there.
-    all_axes: bool,
 }
 
 impl Writer<'_> {
     fn header(&mut self, input_sha256: &str) {
         self.comment(&format!("BLADEPLAN {PLANNER_VERSION} TAPE CUT"));
         self.comment(&format!("INPUT {}", input_sha256.to_ascii_uppercase()));
-        if self.pose == Pose::default() {
-            self.comment("ALL AXES AT ZERO, LEADING END OF THE TAPE UNDER CUTTER 1, KNIVES UP");
+        let home = self.machine.home();
+        if self.pose == home {
+            let axes = if home == Pose::default() {
+                "ALL AXES AT ZERO"
+            } else {
+                "CARRIAGES PARKED, OTHER AXES AT ZERO"
+            };
+            self.comment(&format!("{axes}, LEADING END OF THE TAPE UNDER CUTTER 1, KNIVES UP"));
         } else {
             self.comment("GOES ON WITHIN A ROLL, AXES READ AS IN THE WHOLE PROGRAM, KNIVES UP");
         }
@@ -69,6 +69,10 @@ impl Writer<'_> {
             self.comment("DRY RUN, KNIVES STAY UP, ULTRASONIC STAYS OFF");
         }
         self.modes();
+        if self.pose == home && home != Pose::default() {
+            // Carriages that are parked there already do not move; a reader knows by it where they stand.
+            self.carriages_into_place();
+        }
     }
 
     /// What every place needs from which the program may be started.
@@ -106,10 +110,30 @@ impl Writer<'_> {
             self.switch(Switched::Knife(cutter), false);
         }
         self.dwell(machine.settled().s());
+        self.feed_into_place();
         self.switch(Switched::Ultrasonic, true);
-        let here = self.pose;
-        self.all_axes = true;
-        self.move_to(&here, restore_s(machine, &here));
+        self.carriages_into_place();
+    }
+
+    /// The tape runs by itself at a speed of its own (G94): nobody knows how far it has to come, and where it stands
+    /// in its place already that takes no time.
+    fn feed_into_place(&mut self) {
+        self.block("G94");
+        let (word, speed) =
+            (feed_axis_word(&self.machine.feed, self.pose.feed_mm), restore_feed(self.machine));
+        self.block(&format!("G1 {word} F{}", fixed(speed, FEED_DECIMALS)));
+        self.block("G93");
+    }
+
+    /// Carriages and blades go together, in the time that each of them needs for its whole travel at most.
+    fn carriages_into_place(&mut self) {
+        let cutters = self.machine.cutters.iter();
+        let lateral = cutters.clone().zip(self.pose.lateral_mm).map(|(cutter, v)| (cutter.lateral_axis, v));
+        let blades = cutters.zip(self.pose.blade_deg).map(|(cutter, angle)| (cutter.blade_axis, angle));
+        let words =
+            lateral.chain(blades).map(|(letter, value)| format!(" {letter}{}", fixed(value, DECIMALS)));
+        let words: String = words.collect();
+        self.block(&format!("G1{words} F{}", feed_word(restore_s(self.machine))));
     }
 
     fn switch(&mut self, switched: Switched, on: bool) {
@@ -124,11 +148,11 @@ impl Writer<'_> {
 
     fn move_to(&mut self, to: &Pose, cruise_s: f64) {
         let mut words = String::from("G1");
-        if to.feed_mm != self.pose.feed_mm || self.all_axes {
+        if to.feed_mm != self.pose.feed_mm {
             words.push_str(&format!(" {}", feed_axis_word(&self.machine.feed, to.feed_mm)));
         }
         let mut word = |letter: char, value: f64, before: f64| {
-            if value != before || self.all_axes {
+            if value != before {
                 words.push_str(&format!(" {letter}{}", fixed(value, DECIMALS)));
             }
         };
@@ -141,7 +165,6 @@ impl Writer<'_> {
         words.push_str(&format!(" F{}", feed_word(cruise_s)));
         self.block(&words);
         self.pose = *to;
-        self.all_axes = false;
     }
 
     fn block(&mut self, words: &str) {
@@ -155,11 +178,29 @@ impl Writer<'_> {
     }
 }
 
-/// How long the move into place at a restart takes, in s: the tape may have to come all the way from its beginning.
+/// How long carriages and blades take into place at a restart, in s, wherever they stand.
 #[must_use]
-pub fn restore_s(machine: &Machine, here: &Pose) -> f64 {
-    let tape_s = here.feed_mm / (RESTORE_SHARE * machine.feed.max_speed.mm_s());
-    tape_s.max(RESTORE_S)
+pub fn restore_s(machine: &Machine) -> f64 {
+    let ways = machine.cutters.iter().flat_map(|cutter| {
+        let (low, high) = (cutter.lateral_range.0.mm(), cutter.lateral_range.1.mm());
+        let (min, max) = (cutter.blade_range.0.degrees(), cutter.blade_range.1.degrees());
+        [(high - low) / cutter.travel_speed.mm_s(), (max - min) / cutter.blade_speed.deg_s()]
+    });
+    ways.fold(0.0, f64::max) / RESTORE_SHARE
+}
+
+/// The speed of the tape axis into place at a restart, in mm or degrees a minute, in printed digits: that of a spool is
+/// reckoned at the largest radius that it has anywhere in a program.
+#[must_use]
+pub fn restore_feed(machine: &Machine) -> f64 {
+    let feed = &machine.feed;
+    let speed = RESTORE_SHARE * feed.max_speed.mm_s() * 60.0;
+    let least = 10_f64.powi(-(FEED_DECIMALS as i32));
+    let printed = |speed: f64| rounded(speed, FEED_DECIMALS).max(least);
+    match &feed.spool {
+        None => printed(speed),
+        Some(spool) => printed((speed / spool.largest_radius_mm(0.0, feed.max_length.mm())).to_degrees()),
+    }
 }
 
 /// The tape axis at a reading in mm: in mm, or in degrees of the spool that it turns.

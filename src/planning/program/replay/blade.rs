@@ -22,13 +22,21 @@ pub(super) struct Cut {
     /// Where the blade points before and after, in degrees.
     blade: [f64; 2],
     line: usize,
+    /// How far its ends may be off against each other, in mm.
+    noise_mm: f64,
 }
 
 impl Cut {
     /// The part of a cutter in a move. The tape moves toward +U, so the knife moves over it toward -r.
     pub(super) fn of(axes: &Axes<'_>, cutter: usize, moved: &Moved) -> Self {
         let way = [-axes.feed_delta(moved), axes.lateral_delta(cutter, moved)];
-        Self { way, blade: axes.blade(cutter, moved), line: moved.line }
+        Self { way, blade: axes.blade(cutter, moved), line: moved.line, noise_mm: PRINTED_CUT_MM }
+    }
+
+    /// What the edge of a blade does in one move that lies beside its axis. A way within the noise is none.
+    pub(super) fn of_edge(way: [f64; 2], blade: [f64; 2], line: usize, noise_mm: f64) -> Self {
+        let way = if way[0].hypot(way[1]) > noise_mm { way } else { [0.0, 0.0] };
+        Self { way, blade, line, noise_mm }
     }
 
     /// Whether the knife moves in the tape.
@@ -50,10 +58,10 @@ pub(super) fn check(cutter: &Cutter, cut: &Cut, turned_deg: &mut f64, faults: &m
     if !cut.advances() {
         return turn_on_the_spot(cutter, cut, turned_deg, faults);
     }
-    if cut.length_mm() > PRINTED_CUT_MM {
+    if cut.length_mm() > cut.noise_mm {
         *turned_deg = 0.0;
     }
-    let allowed = allowed_deg(cutter, cut.length_mm());
+    let allowed = allowed_deg(cutter, cut);
     // gamma = atan2(dU, dV) in tape coordinates (domain.md A5).
     let gamma = cut.way[0].atan2(cut.way[1]).to_degrees();
     let off = cut.blade.map(|angle| off_deg(angle - gamma, cutter.edges)).into_iter().fold(0.0, f64::max);
@@ -88,12 +96,13 @@ fn turn_on_the_spot(cutter: &Cutter, cut: &Cut, turned_deg: &mut f64, faults: &m
 /// The angle, in degrees, that a blade may have to a cut of this length.
 ///
 /// A short cut is part of a corner, through which a blade may turn without being lifted, and printed digits
-/// turn it by up to `asin(PRINTED_CUT_MM / length)`.
-fn allowed_deg(cutter: &Cutter, length_mm: f64) -> f64 {
+/// turn it by up to `asin(noise / length)`.
+fn allowed_deg(cutter: &Cutter, cut: &Cut) -> f64 {
+    let length_mm = cut.length_mm();
     if length_mm > SHORT_CUT_MM {
         return BLADE_ALONG_CUT_DEG;
     }
-    let printed_deg = (PRINTED_CUT_MM / length_mm).min(1.0).asin().to_degrees();
+    let printed_deg = (cut.noise_mm / length_mm).min(1.0).asin().to_degrees();
     cutter.lift_angle.degrees().max(BLADE_ALONG_CUT_DEG) + printed_deg
 }
 

@@ -38,7 +38,7 @@ pub(super) fn compare(setup: &ReplaySetup<'_>, strokes: &[Stroke], faults: &mut 
         missing: Side::of(&wanted, &made, within_mm),
         extra,
         overcut_mm,
-        twice: passes::twice(&made, &wanted, within_mm, setup.overcut_mm),
+        twice: passes::twice(setup, &made, &wanted, within_mm),
         wanted,
         made,
     };

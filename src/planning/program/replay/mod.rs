@@ -1,10 +1,12 @@
 //! Replay of a tape-cutting program that was read back from its own text (domain.md A9).
 //!
 //! `run` goes through the events as the machine would, with `travel` and `blade` looking at each move, and
-//! keeps the way of each knife that is down as `strokes`. `compare` lays these against the wanted cuts, with
+//! keeps the way of each knife that is down as `strokes`, found by its `trail` where the edge lies beside its axis. `compare` lays these against the wanted cuts, with
 //! `curves` to find what is near, `nearness` for the exact distances and `passes` for what is cut twice.
 
+mod beam;
 mod blade;
+mod breaks;
 mod compare;
 mod curves;
 pub mod dry;
@@ -15,6 +17,7 @@ mod passes;
 mod reel;
 mod run;
 mod strokes;
+mod trail;
 mod travel;
 
 use serde::{Deserialize, Serialize};

@@ -12,6 +12,8 @@
 //! and another begins, both are in the circle. Such joints are no longer than the circle is wide and do not
 //! count. So a cut made twice is found where it is longer than 6 D and no other cut is wanted within 3 D.
 
+use super::ReplaySetup;
+use super::breaks::{Breaks, lift_deg};
 use super::curves::Curves;
 use super::nearness::{Probe, Segment, Span};
 
@@ -35,11 +37,17 @@ pub(super) struct Twice {
 }
 
 /// All that is cut too often. `within_mm` (D) is how far a cut may lie from its place. Where cuts go on beyond their
-/// ends by `overcut_mm`, two of them may lie side by side for that long each.
-pub(super) fn twice(made: &Curves<'_>, wanted: &Curves<'_>, within_mm: f64, overcut_mm: f64) -> Vec<Twice> {
+/// ends, two of them may lie on one another within an overcut of where wanted cuts break off, and cross elsewhere.
+pub(super) fn twice(
+    setup: &ReplaySetup<'_>,
+    made: &Curves<'_>,
+    wanted: &Curves<'_>,
+    within_mm: f64,
+) -> Vec<Twice> {
+    let breaks = Breaks::of(setup, within_mm);
     let mut counter = Counter { made, wanted, within_mm, found: Vec::new(), changes: Vec::new() };
-    let mut runs =
-        Runs { open: None, done: Vec::new(), longest_joint_mm: 6.0 * within_mm + 2.0 * overcut_mm };
+    let longest_joint_mm = 6.0 * within_mm + crossing_mm(setup, within_mm);
+    let mut runs = Runs { open: None, done: Vec::new(), longest_joint_mm };
     for (index, piece) in made.pieces.iter().enumerate() {
         let ends = made.ends(index);
         let probe = Probe::along(ends);
@@ -47,11 +55,25 @@ pub(super) fn twice(made: &Curves<'_>, wanted: &Curves<'_>, within_mm: f64, over
         if !same_curve {
             runs.close();
         }
-        counter.excess(&probe, ends, |from, to, share| runs.add(index, &probe, (from, to), share));
+        counter.excess(&probe, ends, |from, to, share| {
+            for part in breaks.beyond(&probe, (from, to)) {
+                runs.add(index, &probe, part, share);
+            }
+        });
     }
     runs.close();
     runs.done
 }
+
+/// Two cuts that cross at an angle are within 2 D of one another for so long: an overcut goes straight on where its knife
+/// lifts, at no less than the lift angle. At an angle below 5 degrees nobody can tell crossing from lying on one another.
+fn crossing_mm(setup: &ReplaySetup<'_>, within_mm: f64) -> f64 {
+    let angle = lift_deg(setup).clamp(LEAST_CROSSING_DEG, 90.0).to_radians();
+    if setup.overcut_mm > 0.0 { 4.0 * within_mm / angle.sin() } else { 0.0 }
+}
+
+/// See [`crossing_mm`].
+const LEAST_CROSSING_DEG: f64 = 5.0;
 
 /// What changes at a place of a probe.
 #[derive(Debug, Clone, Copy, Default)]

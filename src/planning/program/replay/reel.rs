@@ -11,7 +11,7 @@ use crate::planning::tape::spool::{Spool, Turning};
 
 /// A cut that a turning spool bends is looked at in parts that are straight to this, in mm: a hundredth of what printed
 /// digits may add.
-const STRAIGHT_MM: f64 = 1e-5;
+pub(super) const STRAIGHT_MM: f64 = 1e-5;
 
 /// A spool, as a spiral.
 #[derive(Debug, Clone, Copy, PartialEq)]

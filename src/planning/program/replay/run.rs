@@ -1,8 +1,10 @@
 //! The machine as the events of a program drive it: axes, knives, generator, dwells.
 
+use super::beam;
 use super::blade::{self, Cut};
 use super::faults::Faults;
 use super::strokes::Stroke;
+use super::trail::{self, Trail};
 use super::travel::{self, Axes, Moved};
 use super::{Executed, ReplaySetup};
 use crate::planning::finding::Code;
@@ -42,6 +44,8 @@ struct Knife {
     settled_s: f64,
     /// The cut that it makes, while it is down.
     stroke: Option<Stroke>,
+    /// The way of its axis while it is down, if its edge lies beside that.
+    trail: Option<Trail>,
     /// How far the blade has turned in the material since the last cut, in degrees.
     turned_deg: f64,
     /// Whether this stroke was said to leave the tape.
@@ -67,15 +71,17 @@ impl<'a, 'b> Platform<'a, 'b> {
             down: false,
             settled_s: f64::INFINITY,
             stroke: None,
+            trail: None,
             turned_deg: 0.0,
             said_beside: false,
         };
+        let axes = Axes::of(setup.machine);
         Self {
             setup,
             faults,
-            axes: Axes::of(setup.machine),
+            positions: axes.home(),
+            axes,
             knives: setup.machine.cutters.iter().map(knife).collect(),
-            positions: [0.0; 9],
             ultrasonic: false,
             ended: false,
             strokes: Vec::new(),
@@ -113,6 +119,7 @@ impl<'a, 'b> Platform<'a, 'b> {
             self.tape_reversals += 1;
         }
         travel::check(&self.axes, &moved, &down, self.faults);
+        beam::check(self.setup.machine, &self.axes, &moved, self.faults);
         for (index, _) in down.iter().enumerate().filter(|(_, down)| **down) {
             self.cut(index, &moved);
         }
@@ -133,8 +140,42 @@ impl<'a, 'b> Platform<'a, 'b> {
         }
     }
 
+    /// The axis of a knife that is down goes on; where its edge went is seen when it comes up.
+    fn follow(&mut self, index: usize, moved: &Moved) {
+        let cutter = &self.setup.machine.cutters[index];
+        let [from, to] = self.axes.blade(index, moved);
+        let parts = self.axes.parts(moved).max(trail::parts(cutter, to - from));
+        let Some(trail) = &mut self.knives[index].trail else { return };
+        for part in 1..=parts {
+            let share = part as f64 / parts as f64;
+            let positions = if part == parts { moved.to } else { moved.at(share) };
+            let at = self.axes.knife_at(index, &positions, self.setup.lead_mm);
+            trail.go(at, from + share * (to - from), moved.line, part == parts);
+        }
+    }
+
+    /// The cut of an edge beside its axis, when its knife comes up.
+    fn end_trail(&mut self, index: usize) {
+        let Some(trail) = self.knives[index].trail.take() else { return };
+        let cutter = &self.setup.machine.cutters[index];
+        let stroke = trail.finish(cutter, self.faults);
+        let beside = stroke.points.iter().skip(1).zip(&stroke.lines).find(|(at, _)| self.is_beside(at[1]));
+        if let Some((at, line)) = beside {
+            self.faults.at_line(Code::Unwanted, *line, || beside_the_tape(cutter, at[1]));
+        }
+        self.knives[index].stroke = Some(stroke);
+    }
+
+    fn is_beside(&self, v: f64) -> bool {
+        let setup = self.setup;
+        v.abs() > setup.tape_width_mm / 2.0 + setup.overcut_mm + setup.tolerance_mm + REPLAY_SLACK_MM
+    }
+
     fn cut(&mut self, index: usize, moved: &Moved) {
         let cutter = &self.setup.machine.cutters[index];
+        if cutter.swivels() {
+            return self.follow(index, moved);
+        }
         let to = self.axes.knife_at(index, &moved.to, self.setup.lead_mm);
         let cut = Cut::of(&self.axes, index, moved);
         let knife = &mut self.knives[index];
@@ -150,13 +191,9 @@ impl<'a, 'b> Platform<'a, 'b> {
             }
             stroke.cut_to(to, moved.line);
         }
-        let setup = self.setup;
-        let edge_mm = setup.tape_width_mm / 2.0 + setup.overcut_mm + setup.tolerance_mm + REPLAY_SLACK_MM;
-        if to[1].abs() > edge_mm && !knife.said_beside {
-            knife.said_beside = true;
-            self.faults.at_line(Code::Unwanted, moved.line, || {
-                format!("knife {} is down at v = {} mm, beside the tape", cutter.number, to[1])
-            });
+        if !knife.said_beside && self.is_beside(to[1]) {
+            self.knives[index].said_beside = true;
+            self.faults.at_line(Code::Unwanted, moved.line, || beside_the_tape(cutter, to[1]));
         }
     }
 
@@ -192,16 +229,20 @@ impl<'a, 'b> Platform<'a, 'b> {
             });
         }
         let at = self.axes.knife_at(index, &self.positions, self.setup.lead_mm);
+        let cutter = &self.setup.machine.cutters[index];
+        let trail = || Trail::at(at, self.axes.blade_at(index, &self.positions));
         self.knives[index] = Knife {
             down: true,
             settled_s: 0.0,
             stroke: Some(Stroke::at(at)),
+            trail: cutter.swivels().then(trail),
             turned_deg: 0.0,
             said_beside: false,
         };
     }
 
     fn raise(&mut self, index: usize, line: usize) {
+        self.end_trail(index);
         let knife = &mut self.knives[index];
         knife.down = false;
         knife.settled_s = 0.0;
@@ -241,8 +282,13 @@ impl<'a, 'b> Platform<'a, 'b> {
             self.faults.at_line(Code::NoProgramEnd, line, || "the program does not end".to_owned());
             self.check_end(line);
         }
+        (0..self.knives.len()).for_each(|index| self.end_trail(index));
         let open = self.knives.iter_mut().filter_map(|knife| knife.stroke.take());
         self.strokes.extend(open.filter(|stroke| !stroke.is_empty()));
         Run { strokes: self.strokes, tape_reversals: self.tape_reversals, time_s: self.time_s }
     }
+}
+
+fn beside_the_tape(cutter: &Cutter, v: f64) -> String {
+    format!("knife {} is down at v = {v} mm, beside the tape", cutter.number)
 }

@@ -93,10 +93,29 @@ impl<'a> Axes<'a> {
         moved.delta(self.lateral[cutter])
     }
 
+    /// Where a carriage stands, in mm.
+    pub(super) fn lateral_at(&self, cutter: usize, positions: &Positions) -> f64 {
+        positions[self.lateral[cutter]]
+    }
+
+    /// Where all axes are when a program begins: at 0, the carriages where they are parked.
+    pub(super) fn home(&self) -> Positions {
+        let mut home = [0.0; 9];
+        for (axis, cutter) in self.lateral.iter().zip(&self.machine.cutters) {
+            home[*axis] = cutter.park_mm();
+        }
+        home
+    }
+
     /// Where a blade points before and after a move, in degrees.
     pub(super) fn blade(&self, cutter: usize, moved: &Moved) -> [f64; 2] {
         let axis = self.blade[cutter];
         [moved.from[axis], moved.to[axis]]
+    }
+
+    /// Where a blade points, in degrees.
+    pub(super) fn blade_at(&self, cutter: usize, positions: &Positions) -> f64 {
+        positions[self.blade[cutter]]
     }
 
     /// The point (r, v) of the roll over which a cutter stands: r = lead - U + station (jobs.md, `roll`).

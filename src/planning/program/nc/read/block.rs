@@ -8,6 +8,8 @@ use super::words::Word;
 pub(super) enum Action {
     /// Axes go to targets (in the order of `AXIS_LETTERS`); as a rapid if there is no time.
     Move { targets: [Option<f64>; 9], cruise_s: Option<f64> },
+    /// One axis, by its place in `AXIS_LETTERS`, goes to a target at a feed in mm or degrees a minute (G94).
+    Travel { axis: usize, target: f64, per_minute: f64 },
     /// M64 and M65.
     Output { number: u32, on: bool },
     /// G4.
@@ -23,6 +25,8 @@ pub(super) enum Action {
 pub(super) struct Modal {
     settings: [bool; SETTINGS.len()],
     motion: Option<Motion>,
+    /// Whether F is a speed (G94) and no inverse time.
+    per_minute: bool,
     said_missing: bool,
 }
 
@@ -38,7 +42,12 @@ enum Code {
     Dwell,
     /// Index in [`SETTINGS`].
     Setting(usize),
+    /// G94, until the next G93.
+    PerMinute,
 }
+
+/// The place of G93 in [`SETTINGS`].
+const INVERSE_TIME: usize = 6;
 
 /// The settings that must stand in the text before anything moves, each with the G numbers that make it.
 /// Without one of them the same words could mean another motion.
@@ -139,6 +148,7 @@ fn code(word: Word<'_>) -> Result<Code, String> {
         "0" => Ok(Code::Motion(Motion::Rapid)),
         "1" => Ok(Code::Motion(Motion::Straight)),
         "4" => Ok(Code::Dwell),
+        "94" => Ok(Code::PerMinute),
         _ => Err(format!("G{} is refused: {}", word.digits, why_no_code(bare))),
     }
 }
@@ -149,7 +159,7 @@ fn why_no_code(bare: &str) -> &'static str {
         "20" => "lengths are in mm",
         "91" => "positions are absolute",
         "64" => "blending leaves the path that is proved",
-        "94" | "95" => "times are proved, so the feed is inverse time (G93)",
+        "95" => "times are proved, so the feed is inverse time (G93)",
         "10" | "52" | "53" | "54" | "55" | "56" | "57" | "58" | "59" | "92" => {
             "positions count from the machine's zero as it stands"
         }
@@ -161,6 +171,8 @@ fn add_code(codes: &mut Vec<Code>, code: Code, word: Word<'_>) -> Result<(), Str
     let same_group = |other: &Code| match (code, *other) {
         (Code::Motion(_), Code::Motion(_)) | (Code::Dwell, Code::Dwell) => true,
         (Code::Setting(this), Code::Setting(other)) => this == other,
+        (Code::PerMinute, Code::PerMinute | Code::Setting(INVERSE_TIME))
+        | (Code::Setting(INVERSE_TIME), Code::PerMinute) => true,
         _ => false,
     };
     if codes.iter().any(same_group) {
@@ -201,7 +213,11 @@ fn dwell(p: Option<Word<'_>>) -> Result<Action, String> {
 fn set(block: &Block<'_>, modal: &mut Modal) {
     for code in &block.codes {
         match *code {
-            Code::Setting(setting) => modal.settings[setting] = true,
+            Code::Setting(setting) => {
+                modal.settings[setting] = true;
+                modal.per_minute &= setting != INVERSE_TIME;
+            }
+            Code::PerMinute => modal.per_minute = true,
             Code::Motion(motion) => modal.motion = Some(motion),
             Code::Dwell => {}
         }
@@ -218,6 +234,20 @@ fn no_motion(block: &Block<'_>) -> Result<(), String> {
     Ok(())
 }
 
+/// G94: F is the speed of the one axis that moves. Of several axes it would be that of a group of them only.
+fn travel(axes: &[Option<f64>; 9], feed: Word<'_>) -> Result<Action, String> {
+    let mut named = axes.iter().enumerate().filter_map(|(axis, target)| target.map(|target| (axis, target)));
+    let (Some((axis, target)), None) = (named.next(), named.next()) else {
+        return Err(
+            "with a feed a minute (G94) an axis moves by itself; all others in inverse time".to_owned()
+        );
+    };
+    if feed.value > 0.0 && feed.value.is_finite() {
+        return Ok(Action::Travel { axis, target, per_minute: feed.value });
+    }
+    Err(format!("F{} is no speed", feed.digits))
+}
+
 fn motion(block: &Block<'_>, modal: &mut Modal) -> Result<Action, String> {
     check_settings(modal)?;
     let targets = block.axes;
@@ -226,6 +256,7 @@ fn motion(block: &Block<'_>, modal: &mut Modal) -> Result<Action, String> {
         (Some(Motion::Rapid), None) => Ok(Action::Move { targets, cruise_s: None }),
         (Some(Motion::Rapid), Some(_)) => Err("a rapid takes no F".to_owned()),
         (Some(Motion::Straight), None) => Err("in inverse time (G93) each G1 block needs its F".to_owned()),
+        (Some(Motion::Straight), Some(feed)) if modal.per_minute => travel(&targets, feed),
         (Some(Motion::Straight), Some(feed)) => {
             Ok(Action::Move { targets, cruise_s: Some(cruise_time_s(feed)?) })
         }

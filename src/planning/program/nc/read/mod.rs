@@ -38,7 +38,15 @@ const U_V_W: Range<usize> = 6..9;
 /// Every refused line, as `NAME:LINE`: `UnreadableProgram`, or `NoProgramEnd` if no M2 ends the program. After
 /// 50 of them the reader gives up and says so.
 pub fn read(name: &str, text: &str) -> Result<Vec<Executed>, Vec<Finding>> {
-    let mut reader = Reader::new(name);
+    read_from(name, text, [0.0; 9])
+}
+
+/// As [`read`], from where the axes stand.
+///
+/// # Errors
+/// As those of [`read`].
+pub fn read_from(name: &str, text: &str, home: Positions) -> Result<Vec<Executed>, Vec<Finding>> {
+    let mut reader = Reader { positions: home, ..Reader::new(name) };
     for (index, line) in text.split('\n').enumerate() {
         if reader.gave_up {
             break;
@@ -125,6 +133,7 @@ impl<'a> Reader<'a> {
         let Some(action) = block::interpret(&words, &mut self.modal)? else { return Ok(()) };
         let event = match action {
             Action::Move { targets, cruise_s } => self.go(targets, cruise_s),
+            Action::Travel { axis, target, per_minute } => self.travel(axis, target, per_minute),
             Action::Output { number, on } => Event::Output { number, on },
             Action::Dwell { seconds } => Event::Dwell { seconds },
             Action::OptionalStop => Event::OptionalStop,
@@ -145,6 +154,14 @@ impl<'a> Reader<'a> {
         }
         let to = self.positions;
         Event::Move { from, to, cruise_s: cruise_s.map(|seconds| seconds.min(longest_s(&from, &to))) }
+    }
+
+    /// The least feed is one of inverse time alone.
+    fn travel(&mut self, axis: usize, target: f64, per_minute: f64) -> Event {
+        let from = self.positions;
+        self.positions[axis] = target;
+        let cruise_s = Some(60.0 * (target - from[axis]).abs() / per_minute);
+        Event::Move { from, to: self.positions, cruise_s }
     }
 
     fn refuse(&mut self, code: Code, message: impl Into<String>) {

@@ -9,6 +9,8 @@ use crate::planning::tape::machine::Machine;
 pub(super) enum Action {
     /// Axes go to targets, in the order of `AXIS_LETTERS`; as a rapid if there is no time.
     Move { targets: [Option<f64>; 9], cruise_s: Option<f64> },
+    /// One axis alone goes to a target at a speed, in mm or degrees a minute (G94).
+    Alone { axis: usize, target: f64, speed: f64 },
     /// A word of the profile's table, as the output that it stands for.
     Output { number: u32, on: bool },
     /// G4.
@@ -31,6 +33,9 @@ const NEEDED: [(&str, &str); 8] = [
     ("G93", "inverse time"),
 ];
 
+/// The place of G93 in [`NEEDED`].
+const INVERSE_TIME: usize = 7;
+
 /// What the blocks so far have set.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Settings {
@@ -38,6 +43,8 @@ pub(super) struct Settings {
     grouped: bool,
     /// Whether G1, not G0, was the last; none before either.
     straight: Option<bool>,
+    /// Whether F is a speed (G94), until the next G93.
+    speeds: bool,
     said: bool,
 }
 
@@ -49,6 +56,7 @@ struct Sorted<'a> {
     motion: Option<bool>,
     dwell: bool,
     set: Vec<usize>,
+    speeds: bool,
     group: Option<&'a str>,
     auxiliary: Option<String>,
 }
@@ -67,6 +75,7 @@ pub(super) fn interpret(
     let alone = usize::from(moves || block.motion.is_some())
         + usize::from(block.dwell)
         + usize::from(!block.set.is_empty())
+        + usize::from(block.speeds)
         + usize::from(block.group.is_some())
         + usize::from(block.auxiliary.is_some());
     if alone > 1 {
@@ -92,6 +101,7 @@ pub(super) fn interpret(
         settings.grouped = true;
     }
     block.set.iter().for_each(|&index| settings.made[index] = true);
+    settings.speeds = block.speeds || (settings.speeds && !block.set.contains(&INVERSE_TIME));
     Ok(None)
 }
 
@@ -144,6 +154,11 @@ fn take_setting(block: &mut Sorted<'_>, letter: char, digits: &str) -> Result<()
             block.dwell = true;
             Ok(())
         }
+        "G94" if block.speeds => Err("G94 stands twice in one block".to_owned()),
+        "G94" => {
+            block.speeds = true;
+            Ok(())
+        }
         _ => {
             let index = NEEDED.iter().position(|(needed, _)| *needed == word);
             block.set.push(index.ok_or_else(|| format!("{word} is refused: {}", why_not(&word)))?);
@@ -158,7 +173,7 @@ fn why_not(word: &str) -> &'static str {
         "G70" | "G71" | "G700" => "lengths and feeds are metric (G710)",
         "G91" => "positions are absolute",
         "G64" | "G641" | "G642" | "G643" | "G644" | "G645" => "blending leaves the path that is proved",
-        "G94" | "G95" => "times are proved, so the feed is inverse time (G93)",
+        "G95" => "times are proved, so the feed is inverse time (G93)",
         "G54" | "G55" | "G56" | "G57" | "G53" | "G153" => {
             "positions count from the machine's zero as it stands"
         }
@@ -212,6 +227,7 @@ fn motion(block: &Sorted<'_>, moves: bool, settings: &mut Settings) -> Result<Ac
         (Some(false), None) => Ok(Action::Move { targets, cruise_s: None }),
         (Some(false), Some(_)) => Err("a rapid takes no F".to_owned()),
         (Some(true), None) => Err("in inverse time (G93) each G1 block needs its F".to_owned()),
+        (Some(true), Some(feed)) if settings.speeds => alone(&targets, feed),
         (Some(true), Some(feed)) => {
             let seconds = 60.0 / feed;
             if feed > 0.0 && seconds.is_finite() {
@@ -219,6 +235,18 @@ fn motion(block: &Sorted<'_>, moves: bool, settings: &mut Settings) -> Result<Ac
             }
             Err(format!("F{feed} gives no time"))
         }
+    }
+}
+
+/// Of several axes F would be the speed of their common path, and what a degree counts there is a setting.
+fn alone(targets: &[Option<f64>; 9], speed: f64) -> Result<Action, String> {
+    let named: Vec<usize> = (0..targets.len()).filter(|&axis| targets[axis].is_some()).collect();
+    match (named.as_slice(), targets.iter().flatten().next()) {
+        (&[axis], Some(&target)) if speed > 0.0 && speed.is_finite() => {
+            Ok(Action::Alone { axis, target, speed })
+        }
+        ([_], _) => Err(format!("F{speed} is no speed")),
+        _ => Err("under G94 an axis moves by itself; several move in inverse time (G93)".to_owned()),
     }
 }
 

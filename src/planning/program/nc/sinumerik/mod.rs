@@ -18,7 +18,7 @@ const LONGEST_LINE: usize = 512;
 /// Nobody reads more faults of a text than this.
 const MOST_FAULTS: usize = 50;
 
-/// Reads a program: what the control of a machine would do, in order, from all axes at 0.
+/// Reads a program: what the control of a machine would do, in order, from where it stands at the start.
 ///
 /// # Errors
 /// Every refused line, as `NAME:LINE`: `UnreadableProgram`, or `NoProgramEnd` if no M30 ends the program. After
@@ -27,7 +27,7 @@ pub fn read(name: &str, text: &str, machine: &Machine) -> Result<Vec<Executed>, 
     let mut control = Control {
         machine,
         settings: Settings::default(),
-        positions: [0.0; 9],
+        positions: super::home(machine),
         events: Vec::new(),
         ended: false,
     };
@@ -88,6 +88,12 @@ impl Control<'_> {
                 let from = self.positions;
                 self.positions = std::array::from_fn(|axis| targets[axis].unwrap_or(from[axis]));
                 Event::Move { from, to: self.positions, cruise_s }
+            }
+            Action::Alone { axis, target, speed } => {
+                let from = self.positions;
+                self.positions[axis] = target;
+                let seconds = (target - from[axis]).abs() * 60.0 / speed;
+                Event::Move { from, to: self.positions, cruise_s: Some(seconds) }
             }
             Action::Output { number, on } => Event::Output { number, on },
             Action::Dwell { seconds } => Event::Dwell { seconds },
