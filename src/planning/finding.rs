@@ -92,6 +92,10 @@ codes! {
     RepeatedPoint,
     /// An outline turning the other way (accepted).
     OutlineSense,
+    /// Sizes that differ so much that not all can be in mm (accepted).
+    UnlikeSizes,
+    /// Normals of a course that point against those of the courses beside it.
+    NormalsOpposed,
     /// A normal whose length is not 1 (scaled).
     NormalScaled,
     /// A closing step far longer than the others (accepted).
@@ -120,6 +124,10 @@ codes! {
     GeneralRule,
     /// An outline was changed on its scrap side, because there are not enough knives for it.
     OutlineSimplified,
+    /// A piece that is shorter than the laying head can lay (planned all the same).
+    PieceTooShort,
+    /// A piece that is nowhere wide enough to hold (planned all the same).
+    Sliver,
     /// Ends of cuts that do not go on as far as the overcut says.
     OvercutShortened,
     /// Two neighbouring pieces have one cut between them (planned so because it was asked for).

@@ -2,6 +2,7 @@
 
 use super::courses::generate;
 use super::file::origin::Origins;
+use super::likeness;
 use super::machine::{Catalogue, Machine, resolve};
 use super::outline::{self, Loop};
 use super::wire;
@@ -43,6 +44,8 @@ pub struct TapeInput {
     pub tape_length: Option<Length>,
     /// Chord tolerance.
     pub tolerance: Length,
+    /// The laying head's shortest length, if it has one.
+    pub shortest_piece: Option<Length>,
     /// The course from which on the program goes, if not from the start.
     pub from_course: Option<u32>,
     /// Whether knives stay up and the generator off.
@@ -83,6 +86,9 @@ pub fn check(input: &wire::TapeCut, catalogue: &Catalogue) -> Result<TapeInput, 
         origins = Origins::of_generated_courses();
         courses = generated(input, rule, &boundary, &holes, &mut findings);
     }
+    if !any_error(&findings) {
+        findings.extend(likeness::findings(&boundary, &courses, input));
+    }
     let Some(machine) = machine.filter(|_| !any_error(&findings)) else {
         findings.retain(Finding::is_error);
         return Err(findings);
@@ -102,6 +108,7 @@ pub fn check(input: &wire::TapeCut, catalogue: &Catalogue) -> Result<TapeInput, 
         tape_length: input.tape.length_mm.map(Length::from_mm),
         scrap_gap: Length::from_mm(input.options.scrap_gap_mm),
         tolerance: Length::from_mm(input.options.tolerance_mm),
+        shortest_piece: input.options.shortest_piece_mm.map(Length::from_mm),
         from_course: input.options.from_course,
         dry_run: input.options.dry_run,
         findings,

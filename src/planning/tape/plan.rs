@@ -6,11 +6,12 @@ use super::chain::{Chain, split};
 use super::develop::{PlyInSpace, develop};
 use super::input::{Allocation, Course, OnExcess, TapeInput};
 use super::machine::Machine;
-use super::outline::{flat_area, report_sense};
+use super::outline::flat_area;
 use super::pace::least_time;
 use super::piece::{Piece, within_strip};
 use super::place::Tape;
 use super::roll::{Roll, RollFigures, lay};
+use super::sliver::{self, Marks};
 use super::stroke::{Stroke, strokes};
 use crate::planning::budget::Budget;
 use crate::planning::finding::{Code, Finding};
@@ -55,6 +56,8 @@ pub struct PlannedPiece {
     pub chains: Vec<(Chain, usize)>,
     /// How far its outline was changed on the scrap side, in mm, and the area that this leaves to be trimmed, in mm^2.
     pub simplified: Option<(f64, f64)>,
+    /// What is odd about it.
+    pub marks: Marks,
     /// The cut of it that is made as a cut of its neighbour.
     pub shared: Option<SharedCut>,
 }
@@ -116,9 +119,6 @@ fn pieces_of_courses(
     findings: &mut Vec<Finding>,
 ) -> Result<Vec<PlannedCourse>, Vec<Finding>> {
     let mut courses = Vec::new();
-    if let Some(course) = input.courses.first() {
-        report_sense(&input.boundary, &course.normals[0], findings);
-    }
     let ply = PlyInSpace::new(&input.boundary, &input.holes);
     for course in &input.courses {
         let pieces = pieces_of(course, &ply, input, budget).map_err(|finding| vec![finding])?;
@@ -130,6 +130,8 @@ fn pieces_of_courses(
             ));
         } else {
             findings.extend(pieces.iter().filter_map(|piece| simplification(course, piece)));
+            let at = format!("/input/tracks/{}", course.index);
+            findings.extend(sliver::findings(course.number, &at, &pieces, input));
             courses.push(PlannedCourse { number: course.number, index: course.index, pieces });
         }
     }
@@ -176,7 +178,8 @@ fn chained(mut piece: Piece, input: &TapeInput) -> PlannedPiece {
         })
         .collect();
     let u = piece.u_range();
-    PlannedPiece { piece, u, offset_mm: 0.0, chains, simplified, shared: None }
+    let marks = Marks::of(&piece, u, input);
+    PlannedPiece { piece, u, offset_mm: 0.0, chains, simplified, marks, shared: None }
 }
 
 /// Gives the chains of each piece to knives as if it were alone on the roll.

@@ -186,19 +186,20 @@ fn ultrasonic(machine: &Machine) -> String {
 fn manifest_part(plan: &TapePlan) -> String {
     let mut text = String::from(
         "## Cassette, in the order in which it gives the pieces out\n\n\
-         | | course | piece | length mm | area mm2 | roll from mm | to mm |\n|---|---|---|---|---|---|---|\n",
+         | | course | piece | length mm | area mm2 | roll from mm | to mm | |\n|---|---|---|---|---|---|---|---|\n",
     );
     for (place, (&(course, index), (_, piece))) in plan.order.iter().zip(plan.pieces()).enumerate() {
         let (low, high) = piece.piece.u_range();
         text.push_str(&format!(
-            "| {} | {} | {} | {} | {} | {} | {} |\n",
+            "| {} | {} | {} | {} | {} | {} | {} | {} |\n",
             place + 1,
             plan.courses[course].number,
             index + 1,
             mm(high - low),
             mm(piece.piece.area_mm2),
             mm(low + piece.offset_mm),
-            mm(high + piece.offset_mm)
+            mm(high + piece.offset_mm),
+            piece.marks.words()
         ));
     }
     text
