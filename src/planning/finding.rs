@@ -132,6 +132,8 @@ codes! {
     OvercutShortened,
     /// Two neighbouring pieces have one cut between them (planned so because it was asked for).
     SharedCut,
+    /// A defect or splice that lies beyond the tape that the roll uses.
+    ZoneUnused,
     /// The spool holds less tape than the roll needs.
     TapeTooShort,
     /// The tape or an axis does not reach far enough.

@@ -1,11 +1,11 @@
 //! What a person should look at before a ply is cut: each with its code, its words and its marks.
 
-use bladeplan::planning::attempt::plan;
+use bladeplan::planning::attempt::{check, plan};
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document;
 use bladeplan::planning::document::files::Files;
 use bladeplan::planning::finding::{Finding, Severity};
-use bladeplan::planning::outcome::{Outcome, Verdict};
+use bladeplan::planning::outcome::{Outcome, ProgramFile, Verdict};
 use bladeplan::planning::tape::machine::Catalogue;
 use serde_json::{Value, json};
 
@@ -251,4 +251,42 @@ fn normals_of_a_round_mould_are_opposed_to_none() {
             plan(&document, &Files::default(), &Catalogue::built_in(), &Budget::unwatched()).unwrap_err();
         assert_eq!(faults[0].at, "/input/tracks/5/points");
     }
+}
+
+#[test]
+fn a_zone_behind_the_roll_or_off_the_tape_is_said_and_the_sheet_lists_all() {
+    let mut job = four_courses();
+    let used = planned(&job).report["roll"]["tape_used_mm"].as_f64().unwrap();
+    assert_eq!(used, 1600.0);
+    job["input"]["tape"]["zones_mm"] = json!([[5000, 5020], [100, 120]]);
+    let outcome = planned(&job);
+    let [behind] = &outcome.findings[..] else { panic!("{:?}", outcome.findings) };
+    assert_eq!((behind.code.as_str().as_str(), behind.severity), ("zone_unused", Severity::Info));
+    assert_eq!(behind.at, "/input/tape/zones_mm");
+    assert!(behind.message.contains("5000 to 5020 mm") && !behind.message.contains("100 to 120"), "{behind}");
+    assert!(attachment(&outcome, "setup.md").contains("| 100.0 to 120.0 mm, 5000.0 to 5020.0 mm |"));
+    job["input"]["tape"]["length_mm"] = json!(4000);
+    let outcome = planned(&job);
+    let [off] = &outcome.findings[..] else { panic!("{:?}", outcome.findings) };
+    assert_eq!((off.code.as_str().as_str(), off.severity), ("zone_unused", Severity::Warning));
+    assert!(off.message.contains("4000 mm long") && off.message.contains("5000 to 5020 mm"), "{off}");
+}
+
+/// Whatever comes of a program that is checked, no place is named at which there is nothing.
+#[test]
+fn what_is_found_while_a_program_is_checked_is_said_at_its_place_in_the_document() {
+    let mut job = ply(
+        &[[0.0, -37.5], [0.0, 37.5], [400.0, 37.5], [300.0, 20.0], [390.0, 0.0], [310.0, -20.0], [380.0, -37.5]],
+        &[],
+    );
+    let input = job["input"].as_object_mut().unwrap();
+    input.remove("tracks");
+    input.insert("courses".to_owned(), json!({"angle_deg": 0}));
+    let document = document::from_value(job).unwrap();
+    let program = ProgramFile { name: "roll.ngc".to_owned(), dialect: "linuxcnc", text: "M2\n".to_owned() };
+    let (words, findings) =
+        check(&document, &Files::default(), &Catalogue::built_in(), &[program], &Budget::unwatched()).unwrap();
+    assert_eq!(words, "the job has no plan");
+    let found: Vec<_> = findings.iter().map(|finding| (finding.code.as_str(), finding.at.as_str())).collect();
+    assert_eq!(found, [("too_many_knives".to_owned(), "/input/courses")]);
 }

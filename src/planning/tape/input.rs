@@ -6,6 +6,7 @@ use super::likeness;
 use super::machine::{Catalogue, Machine, resolve};
 use super::outline::{self, Loop};
 use super::wire;
+use super::zone;
 use crate::planning::finding::{Code, Finding, any_error};
 use crate::planning::geometry::{Point3, Vector3};
 use crate::planning::tolerance::{SAME_POINT_MM, UNIT_NORMAL, ZERO_NORMAL};
@@ -79,7 +80,7 @@ pub fn check(input: &wire::TapeCut, catalogue: &Catalogue) -> Result<TapeInput, 
     let machine =
         resolve(&input.machine, catalogue, "/input/machine").map_err(|faults| findings.extend(faults)).ok();
     let mut courses = check_courses(input, &mut findings);
-    let zones_mm = check_zones(&input.tape.zones_mm, &mut findings);
+    let zones_mm = zone::check(&input.tape.zones_mm, &mut findings);
     let (boundary, holes) = outline::check(&input.boundary, &input.holes, &mut findings);
     let mut origins = Origins::default();
     if let (None, Some(rule)) = (&input.tracks, &input.courses) {
@@ -129,26 +130,6 @@ fn generated(
     }
     let courses = generate(rule, Length::from_mm(input.tape.width_mm), boundary, holes);
     courses.map_err(|fault| findings.push(fault)).unwrap_or_default()
-}
-
-/// Zones in order. Those that overlap or touch are one.
-fn check_zones(zones: &[[f64; 2]], findings: &mut Vec<Finding>) -> Vec<(f64, f64)> {
-    for (index, [from, to]) in zones.iter().enumerate() {
-        if *from < 0.0 || from >= to {
-            let message = format!("a zone runs from 0 or more to more than that, not from {from} to {to} mm");
-            findings.push(Finding::error(Code::OutOfRange, format!("/input/tape/zones_mm/{index}"), message));
-        }
-    }
-    let mut sorted: Vec<(f64, f64)> = zones.iter().map(|[from, to]| (*from, *to)).collect();
-    sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    let mut apart: Vec<(f64, f64)> = Vec::new();
-    for zone in sorted {
-        match apart.last_mut() {
-            Some(last) if zone.0 <= last.1 => last.1 = last.1.max(zone.1),
-            _ => apart.push(zone),
-        }
-    }
-    apart
 }
 
 fn check_courses(input: &wire::TapeCut, findings: &mut Vec<Finding>) -> Vec<Course> {

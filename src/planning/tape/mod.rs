@@ -36,6 +36,7 @@ pub mod tips;
 pub mod trace;
 pub mod wire;
 pub mod words;
+pub mod zone;
 
 use self::input::TapeInput;
 use self::plan::TapePlan;
@@ -253,21 +254,30 @@ pub fn check(
     budget: &Budget<'_>,
 ) -> Result<(String, Vec<Finding>), Vec<Finding>> {
     let input = take_over(input, files, catalogue)?;
-    let mut findings = Vec::new();
-    let plan = match plan::plan(&input, budget, &mut findings) {
+    let (words, mut findings) = compared(&input, input_sha256, name, text, budget);
+    input.origins.relocate(&mut findings);
+    Ok((words, findings))
+}
+
+/// The figures of a program in words and all that is to be said of it, at places of the job document.
+fn compared(
+    input: &TapeInput,
+    input_sha256: &str,
+    name: &str,
+    text: &str,
+    budget: &Budget<'_>,
+) -> (String, Vec<Finding>) {
+    let plan = match plan::plan(input, budget, &mut Vec::new()) {
         Ok(plan) => plan,
-        Err(mut faults) => {
-            input.origins.relocate(&mut faults);
-            return Ok(("the job has no plan".to_owned(), faults));
-        }
+        Err(faults) => return ("the job has no plan".to_owned(), faults),
     };
-    let written = match write(&plan, &input, input_sha256, budget) {
+    let written = match write(&plan, input, input_sha256, budget) {
         Ok(written) => written,
-        Err(faults) => return Ok(("the job has no program".to_owned(), faults)),
+        Err(faults) => return ("the job has no program".to_owned(), faults),
     };
-    let (figures, mut findings) = judge(name, text, &written, &plan, &input);
+    let (figures, mut findings) = judge(name, text, &written, &plan, input);
     findings.extend(difference(name, text, &written.text));
-    Ok((figures.to_string(), findings))
+    (figures.to_string(), findings)
 }
 
 fn difference(name: &str, text: &str, planned: &str) -> Option<Finding> {

@@ -13,6 +13,7 @@ use super::place::Tape;
 use super::roll::{Roll, RollFigures, lay};
 use super::sliver::{self, Marks};
 use super::stroke::{Stroke, strokes};
+use super::zone;
 use crate::planning::budget::Budget;
 use crate::planning::finding::{Code, Finding};
 use crate::planning::program::number::rounded;
@@ -96,6 +97,7 @@ pub fn plan(
     budget.stage("roll");
     let planned = on_roll(courses, input)?;
     findings.extend(planned.shared_cuts());
+    findings.extend(zone::unused(input, planned.figures.tape_used_mm));
     Ok(planned)
 }
 

@@ -111,6 +111,11 @@ fn tape_part(plan: &TapePlan, program: &TapeProgram, input: &TapeInput) -> Strin
     // The tape moves toward +U, so the largest roll coordinate passes the knives first.
     rows.push(("first piece cut", name(cut_here(plan, input).last())));
     rows.push(("last piece cut", name(cut_here(plan, input).first())));
+    if !input.zones_mm.is_empty() {
+        let zones = input.zones_mm.iter().map(|(from, to)| format!("{} to {} mm", mm(*from), mm(*to)));
+        let zones = zones.collect::<Vec<_>>().join(", ");
+        rows.push(("kept free of pieces, from the leading end of the tape", zones));
+    }
     if let Some(spool) = &input.machine.feed.spool {
         let way = match spool.turning {
             Turning::Unwinding => "unwinds",
