@@ -130,6 +130,8 @@ codes! {
     Sliver,
     /// Ends of cuts that do not go on as far as the overcut says.
     OvercutShortened,
+    /// Tips that two knives cut, where the overcut is less than the errors of the axes ask for.
+    OvercutTooShort,
     /// Two neighbouring pieces have one cut between them (planned so because it was asked for).
     SharedCut,
     /// A defect or splice that lies beyond the tape that the roll uses.

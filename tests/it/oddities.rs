@@ -276,7 +276,15 @@ fn a_zone_behind_the_roll_or_off_the_tape_is_said_and_the_sheet_lists_all() {
 #[test]
 fn what_is_found_while_a_program_is_checked_is_said_at_its_place_in_the_document() {
     let mut job = ply(
-        &[[0.0, -37.5], [0.0, 37.5], [400.0, 37.5], [300.0, 20.0], [390.0, 0.0], [310.0, -20.0], [380.0, -37.5]],
+        &[
+            [0.0, -37.5],
+            [0.0, 37.5],
+            [400.0, 37.5],
+            [300.0, 20.0],
+            [390.0, 0.0],
+            [310.0, -20.0],
+            [380.0, -37.5],
+        ],
         &[],
     );
     let input = job["input"].as_object_mut().unwrap();
@@ -285,8 +293,64 @@ fn what_is_found_while_a_program_is_checked_is_said_at_its_place_in_the_document
     let document = document::from_value(job).unwrap();
     let program = ProgramFile { name: "roll.ngc".to_owned(), dialect: "linuxcnc", text: "M2\n".to_owned() };
     let (words, findings) =
-        check(&document, &Files::default(), &Catalogue::built_in(), &[program], &Budget::unwatched()).unwrap();
+        check(&document, &Files::default(), &Catalogue::built_in(), &[program], &Budget::unwatched())
+            .unwrap();
     assert_eq!(words, "the job has no plan");
     let found: Vec<_> = findings.iter().map(|finding| (finding.code.as_str(), finding.at.as_str())).collect();
     assert_eq!(found, [("too_many_knives".to_owned(), "/input/courses")]);
+}
+
+#[test]
+fn what_is_left_to_be_trimmed_stands_on_the_set_up_sheet() {
+    let zigzag = [
+        [0.0, -37.5],
+        [0.0, 37.5],
+        [400.0, 37.5],
+        [300.0, 20.0],
+        [390.0, 0.0],
+        [310.0, -20.0],
+        [380.0, -37.5],
+    ];
+    let mut job = ply(&zigzag, &[0.0]);
+    job["input"]["options"] = json!({"on_excess": "simplify"});
+    let outcome = planned(&job);
+    let simplified = &outcome.report["simplified"][0];
+    let (deviation, area) =
+        (simplified["max_deviation_mm"].as_f64().unwrap(), simplified["extra_area_mm2"].as_f64().unwrap());
+    assert!(deviation > 1.0, "{simplified}");
+    let sheet = attachment(&outcome, "setup.md");
+    let row = sheet.split("To be trimmed by hand").nth(1).unwrap().lines().last().unwrap();
+    let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+    assert_eq!(cells[1..3], ["1", "1"]);
+    assert!((cells[3].parse::<f64>().unwrap() - deviation).abs() < 1e-3, "{row}");
+    assert!((cells[4].parse::<f64>().unwrap() - area).abs() < 0.1, "{row}");
+    assert!(!attachment(&planned(&four_courses()), "setup.md").contains("trimmed"));
+}
+
+/// A ">" of 90 degrees; the tape may stand off by 0.05 mm at both moments, so both cuts must go on by 0.1 / sqrt 2.
+#[test]
+fn an_overcut_too_short_for_the_errors_of_the_profile_is_said() {
+    let mut job = ply(&[[0.0, -37.5], [0.0, 37.5], [362.5, 37.5], [400.0, 0.0], [362.5, -37.5]], &[0.0]);
+    let with = |error: f64, overcut: [f64; 2]| {
+        let mut machine = serde_json::to_value(Catalogue::built_in().get("two-cutter-lab").unwrap()).unwrap();
+        machine["feed"]["error_mm"] = json!(error);
+        for cutter in [0, 1] {
+            machine["cutters"][cutter]["blade"]["overcut_mm"] = json!(overcut[cutter]);
+        }
+        machine
+    };
+    let mut said = |error: f64, overcut: [f64; 2]| {
+        job["input"]["machine"] = with(error, overcut);
+        let outcome = planned(&job);
+        assert_eq!(outcome.verdict, Verdict::Usable, "{:?}", outcome.findings);
+        of_code(&outcome, "overcut_too_short").into_iter().cloned().collect::<Vec<_>>()
+    };
+    assert_eq!(said(0.0, [0.0, 0.0]), [], "no error is given");
+    assert_eq!(said(0.05, [0.08, 0.08]), []);
+    let [short] = &said(0.05, [0.08, 0.05])[..] else { panic!("the shorter one of both decides") };
+    assert_eq!((short.severity, short.at.as_str()), (Severity::Warning, "/input/machine"));
+    assert!(
+        short.message.contains("at 1 tips") && short.message.contains("by 0.071 mm, and overcut_mm is 0.05"),
+        "{short}"
+    );
 }

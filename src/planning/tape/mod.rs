@@ -176,6 +176,7 @@ fn finish(
     budget.stage("replay");
     let name = program_name(input);
     findings.append(&mut written.findings);
+    findings.extend(tips::lacking_overcut(&tips::tips(plan, &input.machine), &input.machine));
     let (figures, faults) = judge(&name, &written.text, &written, plan, input);
     findings.extend(faults);
     input.origins.relocate(&mut findings);

@@ -57,6 +57,8 @@ pub struct PlannedPiece {
     pub chains: Vec<(Chain, usize)>,
     /// How far its outline was changed on the scrap side, in mm, and the area that this leaves to be trimmed, in mm^2.
     pub simplified: Option<(f64, f64)>,
+    /// The piece as the ply has it, if its outline was changed.
+    pub given: Option<Box<Piece>>,
     /// What is odd about it.
     pub marks: Marks,
     /// The cut of it that is made as a cut of its neighbour.
@@ -166,10 +168,9 @@ fn pieces_of(
 
 fn chained(mut piece: Piece, input: &TapeInput) -> PlannedPiece {
     let (half_width_mm, knives) = (input.width.mm() / 2.0, input.machine.cutters.len());
-    let simplified = match input.on_excess {
-        OnExcess::Simplify => piece.simplify(half_width_mm, knives),
-        OnExcess::Reject => None,
-    };
+    let given = (input.on_excess == OnExcess::Simplify).then(|| Box::new(piece.clone()));
+    let simplified = given.as_ref().and_then(|_| piece.simplify(half_width_mm, knives));
+    let given = given.filter(|_| simplified.is_some());
     let chains = piece
         .cuts()
         .enumerate()
@@ -181,7 +182,7 @@ fn chained(mut piece: Piece, input: &TapeInput) -> PlannedPiece {
         .collect();
     let u = piece.u_range();
     let marks = Marks::of(&piece, u, input);
-    PlannedPiece { piece, u, offset_mm: 0.0, chains, simplified, marks, shared: None }
+    PlannedPiece { piece, u, offset_mm: 0.0, chains, simplified, given, marks, shared: None }
 }
 
 /// Gives the chains of each piece to knives as if it were alone on the roll.

@@ -23,6 +23,7 @@ pub fn sheet(
     text.push_str(&tape_part(plan, program, input));
     text.push_str(&zero_part(program, &input.machine));
     text.push_str(&manifest_part(plan));
+    text.push_str(&trim_part(plan, input));
     Attachment { name: "setup.md".to_owned(), text }
 }
 
@@ -185,6 +186,25 @@ fn ultrasonic(machine: &Machine) -> String {
         Some(words) => format!("{} and {} switch it", words.ultrasonic[0], words.ultrasonic[1]),
         None => format!("output {} switches it", machine.ultrasonic_output),
     }
+}
+
+/// Pieces whose outline was changed on its scrap side, and what that leaves to do; empty if there are none.
+fn trim_part(plan: &TapePlan, input: &TapeInput) -> String {
+    let mut rows = String::new();
+    for &(course, index) in cut_here(plan, input) {
+        let course = &plan.courses[course];
+        if let Some((deviation, area)) = course.pieces[index].simplified {
+            let (number, piece) = (course.number, index + 1);
+            rows.push_str(&format!("| {number} | {piece} | {} | {} |\n", fixed(deviation, 3), mm(area)));
+        }
+    }
+    if rows.is_empty() {
+        return rows;
+    }
+    format!(
+        "\n## To be trimmed by hand (tinted in `pieces.svg`)\n\nFor these outlines there are not enough knives; they are cut \
+         on the scrap side of the ply's.\n\n| course | piece | beyond the ply, at most mm | area mm2 |\n|---|---|---|---|\n{rows}"
+    )
 }
 
 /// The last piece wound comes off the cassette first.
