@@ -94,6 +94,10 @@ codes! {
     RepeatedPoint,
     /// An outline turning the other way (accepted).
     OutlineSense,
+    /// Sizes that differ so much that not all can be in mm (accepted).
+    UnlikeSizes,
+    /// Normals of a course that point against those of the courses beside it.
+    NormalsOpposed,
     /// A normal whose length is not 1 (scaled).
     NormalScaled,
     /// A closing step far longer than the others (accepted).
@@ -122,10 +126,18 @@ codes! {
     GeneralRule,
     /// An outline was changed on its scrap side, because there are not enough knives for it.
     OutlineSimplified,
+    /// A piece that is shorter than the laying head can lay (planned all the same).
+    PieceTooShort,
+    /// A piece that is nowhere wide enough to hold (planned all the same).
+    Sliver,
     /// Ends of cuts that do not go on as far as the overcut says.
     OvercutShortened,
+    /// Tips that two knives cut, where the overcut is less than the errors of the axes ask for.
+    OvercutTooShort,
     /// Two neighbouring pieces have one cut between them (planned so because it was asked for).
     SharedCut,
+    /// A defect or splice that lies beyond the tape that the roll uses.
+    ZoneUnused,
     /// The spool holds less tape than the roll needs.
     TapeTooShort,
     /// Two carriages on one beam would come, or do come, closer to one another than they may.

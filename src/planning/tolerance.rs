@@ -63,6 +63,14 @@ pub const STRAIGHT_MM: f64 = 0.005;
 /// How far a normal may differ from length 1 before that is reported (it is then scaled).
 pub const UNIT_NORMAL: f64 = 1e-6;
 
+/// Normals of places beside each other whose cosine is below this (120 degrees) point against one another. On a mould of
+/// 800 mm radius they turn by 44 degrees over two tapes of 300 mm.
+pub const OPPOSED_COSINE: f64 = -0.5;
+
+/// A ply and its courses, or its tape, whose sizes differ by more than this factor are hardly in one unit: an inch is
+/// 25.4 mm, a metre 1000.
+pub const UNLIKE_SIZES: f64 = 20.0;
+
 /// A normal shorter than this has no direction.
 pub const ZERO_NORMAL: f64 = 1e-9;
 
@@ -206,6 +214,10 @@ pub const OPTIMUM_GAP: f64 = 1e-8;
 /// A limit holds the optimum of the published model if it has at least this
 /// multiplier, d ln T / d ln limit. What the barrier leaves on the others is below 1e-10.
 pub const ACTIVE_MULTIPLIER: f64 = 1e-7;
+
+/// A piece that is nowhere as wide as this, in mm, is a sliver: an eighth of an inch, the narrowest tape that is slit
+/// for laying. No head holds and no roller presses what is narrower.
+pub const SLIVER_MM: f64 = 3.175;
 
 /// Two neighbouring outlines whose ends are nowhere farther apart than this share of the chord tolerance may share one
 /// cut. The cut is then made as one of them wants it; the other share is left for making it monotone and thinning it.

@@ -29,6 +29,7 @@ mod layering;
 mod linuxcnc;
 mod mutation;
 mod nc_refused;
+mod oddities;
 mod oracles;
 mod profiles;
 mod random_plies;

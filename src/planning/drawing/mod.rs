@@ -33,6 +33,8 @@ pub mod tips;
 pub mod window;
 
 #[cfg(test)]
+mod craft_tests;
+#[cfg(test)]
 mod honeycomb_tests;
 #[cfg(test)]
 mod table1;

@@ -114,6 +114,10 @@ impl<'a> Pieces<'a> {
         let cutters = self.input.machine.cutters.iter().enumerate();
         let mut legend: Vec<_> =
             cutters.map(|(k, cutter)| (Sample::Cut(k), format!("cut by cutter {}", cutter.number))).collect();
+        if self.pieces.iter().any(|piece| piece.simplified.is_some()) {
+            legend.push((Sample::Line("given"), "outline of the ply where it was changed".to_owned()));
+            legend.push((Sample::Area("trim"), "left to be trimmed".to_owned()));
+        }
         legend.extend([
             (Sample::Line("tape-edge"), "tape's own edge".to_owned()),
             (Sample::Line("strip"), "edge of the tape beside a piece".to_owned()),
@@ -177,8 +181,11 @@ impl<'a> Pieces<'a> {
             format!("cutter {}: {count}", cutter.number)
         });
         let (low, high) = piece.u;
+        let changed = piece.simplified.map_or(String::new(), |(deviation, area)| {
+            format!("; changed by {} mm, {} mm² to trim", fixed(deviation, 2), fixed(area, 0))
+        });
         [
-            format!("length {} mm, area {} m²", fixed(high - low, 2), square_metres(piece.area_mm2)),
+            format!("length {} mm, area {} m²{changed}", fixed(high - low, 2), square_metres(piece.area_mm2)),
             format!(
                 "cuts by {}; roll r {} to {}",
                 cuts.collect::<Vec<_>>().join(", "),
@@ -256,6 +263,7 @@ impl<'a> Pieces<'a> {
             svg.line("strip", ends[0], ends[1]);
         }
         window.draw_area(svg, piece, 0.0, "piece", "");
+        window.draw_trims(svg, piece);
         window.draw_tape_edges(svg, piece, 0.0);
         svg.line("centre", window.left, spot(window.left.x + window.width(), window.left.y));
         window.draw_cuts(svg, piece, 0.0, 'u');

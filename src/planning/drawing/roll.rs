@@ -10,7 +10,7 @@ use super::sheet::{
     draw_arrow, draw_heading, draw_knife, draw_legend, draw_scale_bar, plain, round_step, scale_denominator,
     text_width, view_words,
 };
-use super::sketch::{KnifeMark, PieceSketch, knife_marks, pieces};
+use super::sketch::{KnifeMark, KnifeWork, PieceSketch, knife_work, pieces};
 use super::svg::{Anchor, Spot, Svg, spot};
 use super::window::Window;
 use crate::planning::geometry::Point2;
@@ -27,7 +27,7 @@ const LARGEST_TAPE_MM: f64 = 45.0;
 const MOST_ROWS: f64 = 60.0;
 /// Ticks of r are at least this far apart.
 const TICK_MM: f64 = 14.0;
-/// Space above and below the tape for the numbers of strokes.
+/// Space above and below the tape, or beyond the overcuts, for the numbers of strokes.
 const BAND_MM: f64 = 4.0;
 /// Space below that for the ruler of r.
 const RULER_MM: f64 = 6.0;
@@ -40,13 +40,15 @@ pub struct RollSheet<'a> {
     input: &'a TapeInput,
     figures: RollFigures,
     pieces: Vec<PieceSketch>,
-    marks: Vec<KnifeMark>,
+    work: KnifeWork,
     /// Smallest and largest r of all pieces, and of what of the tape lies before them.
     range: (f64, f64),
     /// Defects and splices within that, smallest and largest r.
     zones: Vec<(f64, f64)>,
     /// Scale denominator.
     scale: f64,
+    /// Space above and below the tape, for overcuts and the numbers of strokes, in mm of the sheet.
+    band: f64,
     /// r at the left end of the first row, a whole number of ticks.
     first: f64,
     /// Length of a row in mm of tape, a whole number of ticks.
@@ -68,14 +70,17 @@ impl<'a> RollSheet<'a> {
         let range = (range.0, zones.iter().fold(range.1, |high, zone| high.max(zone.1)));
         let scale = scale_of(range.1 - range.0, input.width.mm());
         let tick = round_step(TICK_MM * scale);
+        let work = knife_work(plan, input);
+        let across = work.marks.iter().map(|mark| mark.at.y.abs()).fold(0.0, f64::max);
         Self {
             input,
             figures: plan.figures,
             pieces: pieces(plan, input, scale),
-            marks: knife_marks(plan, input),
+            work,
             range,
             zones,
             scale,
+            band: BAND_MM + (across - input.width.mm() / 2.0).max(0.0) / scale,
             first: (range.0 / tick).floor() * tick,
             row: (INNER_MM * scale / tick).floor() * tick,
             tick,
@@ -137,6 +142,9 @@ impl<'a> RollSheet<'a> {
             legend.push((Sample::Knife(k, true), format!("knife {} down", cutter.number)));
             legend.push((Sample::Knife(k, false), format!("up, {}·n = its n-th stroke", cutter.number)));
         }
+        for (k, cutter) in cutters().filter(|_| !self.work.overcuts.is_empty()) {
+            legend.push((Sample::Line(overcut_class(k)), format!("overcut of cutter {}", cutter.number)));
+        }
         if !self.zones.is_empty() {
             legend.push((Sample::Hatched(zone_hatching(hatching)), "defect or splice, kept free".to_owned()));
         }
@@ -159,9 +167,9 @@ impl<'a> RollSheet<'a> {
             let left = MARGIN_MM + (along.0 - start) / self.scale;
             let half = self.input.width.mm() / self.scale / 2.0;
             let window =
-                Window { along, left: spot(left, y + BAND_MM + half), denominator: self.scale, view };
+                Window { along, left: spot(left, y + self.band + half), denominator: self.scale, view };
             svg.group("row", "", |svg| self.draw_row(svg, &window, hatching));
-            y += 2.0 * half + 2.0 * BAND_MM + RULER_MM + GAP_MM;
+            y += 2.0 * half + 2.0 * self.band + RULER_MM + GAP_MM;
         }
         y
     }
@@ -190,12 +198,22 @@ impl<'a> RollSheet<'a> {
         for (_, piece) in &here {
             window.draw_cuts(svg, piece, piece.offset_mm, 'r');
         }
-        self.draw_ruler(svg, window, half + BAND_MM);
+        self.draw_overcuts(svg, window);
+        self.draw_ruler(svg, window, half + self.band);
         let mut labels = Labels::default();
         for (_, piece) in &here {
             draw_course(svg, window, piece, half, &mut labels);
         }
         self.draw_marks(svg, window, half, &mut labels);
+    }
+
+    /// Draws where cuts go on beyond their ends: all of one whose end of a cut lies in this row, however far it goes.
+    fn draw_overcuts(&self, svg: &mut Svg, window: &Window) {
+        for (cutter, [from, to]) in
+            self.work.overcuts.iter().filter(|(_, [at, _])| window.shows((at.x, at.x)))
+        {
+            svg.line(overcut_class(*cutter), window.spot(from), window.spot(to));
+        }
     }
 
     fn draw_ruler(&self, svg: &mut Svg, window: &Window, below: f64) {
@@ -216,7 +234,7 @@ impl<'a> RollSheet<'a> {
     /// Says where the tape begins and where it ends.
     fn draw_ends(&self, svg: &mut Svg, window: &Window, half: f64) {
         let y = window.left.y;
-        let above = y - half - BAND_MM;
+        let above = y - half - self.band;
         if window.along.0 == self.range.0 {
             let x = window.x(self.range.0);
             svg.line("line", spot(x, y - half), spot(x, y + half));
@@ -245,7 +263,7 @@ impl<'a> RollSheet<'a> {
         // The digits of a program may put a mark a little beyond the tape's end.
         let slack = DOT_MM * self.scale;
         let shown = |mark: &&KnifeMark| window.shows((mark.at.x - slack, mark.at.x + slack));
-        let here: Vec<&KnifeMark> = self.marks.iter().filter(shown).collect();
+        let here: Vec<&KnifeMark> = self.work.marks.iter().filter(shown).collect();
         let mut drawn = BTreeSet::new();
         // Squares first: a disc at the same place then lies on its square.
         for cutter in (0..self.input.machine.cutters.len()).rev() {
@@ -260,6 +278,11 @@ impl<'a> RollSheet<'a> {
             number_marks(svg, window, &here, half, labels);
         }
     }
+}
+
+/// Classes of an overcut of a cutter, from 0.
+fn overcut_class(cutter: usize) -> &'static str {
+    if cutter == 0 { "overcut cutter-1" } else { "overcut cutter-2" }
 }
 
 fn zone_hatching(hatching: &str) -> String {

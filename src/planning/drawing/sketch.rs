@@ -8,8 +8,10 @@ use crate::planning::program::number::fixed;
 use crate::planning::tape::chain::{Chain, Slope};
 use crate::planning::tape::input::TapeInput;
 use crate::planning::tape::machine::CutSide;
+use crate::planning::tape::overcut::extend;
 use crate::planning::tape::piece::{Piece, Side};
 use crate::planning::tape::plan::{PlannedCourse, PlannedPiece, TapePlan};
+use crate::planning::tape::stroke::{Knot, Stroke};
 
 /// A piece as it is drawn, in the (u, v) of its course in mm.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,6 +32,12 @@ pub struct PieceSketch {
     pub tape_edges: Vec<(Point2, Point2)>,
     /// Its cuts: one entry for each chain of the plan.
     pub cuts: Vec<CutSketch>,
+    /// Where its outline was changed: the cuts as the ply has them.
+    pub given: Vec<Vec<Point2>>,
+    /// Beside each of those, what is left on the scrap side to be trimmed.
+    pub trims: Vec<Vec<Point2>>,
+    /// How far its outline was changed at the most, in mm, and the area of the trims in mm^2.
+    pub simplified: Option<(f64, f64)>,
     /// The published Edge0 and Edge1 of each cut that begins and ends on a tape edge.
     pub edge_points: Vec<EdgePoint>,
 }
@@ -101,8 +109,24 @@ fn piece(
         loops: loops(&planned.piece, thin_mm),
         tape_edges: tape_edges(&planned.piece),
         cuts: planned.chains.iter().map(cut).collect(),
+        given: changed(planned).map(|(given, _)| thinned(given, thin_mm)).collect(),
+        trims: changed(planned).map(|(given, cut)| trim(given, cut, thin_mm)).collect(),
+        simplified: planned.simplified,
         edge_points: edge_points(&planned.piece, cut_side),
     }
+}
+
+/// The cuts of a piece whose outline was changed, as the ply has them and as they are made.
+fn changed(planned: &PlannedPiece) -> impl Iterator<Item = (&[Point2], &[Point2])> {
+    let given = planned.given.iter().flat_map(|given| given.cuts());
+    given.zip(planned.piece.cuts()).filter(|(given, cut)| given != cut)
+}
+
+/// What lies between a cut as it is made and as the ply has it. Both run from one edge of the tape to the other.
+fn trim(given: &[Point2], cut: &[Point2], thin_mm: f64) -> Vec<Point2> {
+    let mut around = thinned(cut, thin_mm);
+    around.extend(thinned(given, thin_mm).into_iter().rev());
+    around
 }
 
 fn thinned(points: &[Point2], thin_mm: f64) -> Vec<Point2> {
@@ -149,21 +173,39 @@ fn edge_points(piece: &Piece, cut_side: CutSide) -> Vec<EdgePoint> {
     found
 }
 
-/// Where the knives go down and come up, in the order of cutting, cutter by cutter: what the program does.
+/// What the knives do on the roll beyond making cuts.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct KnifeWork {
+    /// Where they go down and come up, in the order of cutting, cutter by cutter.
+    pub marks: Vec<KnifeMark>,
+    /// Ends of cuts that go on, by their cutter from 0: from the end of a cut to where the knife is.
+    pub overcuts: Vec<(usize, [Point2; 2])>,
+}
+
+/// Where the knives go down and come up, and how far that is beyond the cuts: what the program does.
 #[must_use]
-pub fn knife_marks(plan: &TapePlan, input: &TapeInput) -> Vec<KnifeMark> {
-    let mut marks = Vec::new();
-    for (cutter, strokes) in plan.strokes(input).into_iter().enumerate() {
+pub fn knife_work(plan: &TapePlan, input: &TapeInput) -> KnifeWork {
+    let wanted = plan.strokes(input);
+    let mut made = wanted.clone();
+    extend(&mut made, plan, &input.machine);
+    let mut work = KnifeWork::default();
+    for (cutter, (made, wanted)) in made.iter().zip(&wanted).enumerate() {
         let r_of_x0 = plan.figures.lead_mm + input.machine.cutters[cutter].station.mm();
-        for (index, stroke) in strokes.iter().enumerate() {
-            let ends = [(true, stroke.knots.first()), (false, stroke.knots.last())];
-            marks.extend(ends.into_iter().filter_map(|(down, knot)| {
-                let at = knot.map(|knot| Point2::new(r_of_x0 - knot.x, knot.v))?;
-                Some(KnifeMark { cutter, stroke: index + 1, down, at })
-            }));
+        let place = |knot: &Knot| Point2::new(r_of_x0 - knot.x, knot.v);
+        for (index, (made, wanted)) in made.iter().zip(wanted).enumerate() {
+            let ends = |stroke: &Stroke| [stroke.knots.first().map(place), stroke.knots.last().map(place)];
+            for (down, (at, of_cut)) in
+                [true, false].into_iter().zip(ends(made).into_iter().zip(ends(wanted)))
+            {
+                let Some((at, of_cut)) = at.zip(of_cut) else { continue };
+                work.marks.push(KnifeMark { cutter, stroke: index + 1, down, at });
+                if at != of_cut {
+                    work.overcuts.push((cutter, [of_cut, at]));
+                }
+            }
         }
     }
-    marks
+    work
 }
 
 impl PieceSketch {

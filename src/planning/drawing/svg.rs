@@ -172,10 +172,25 @@ impl Svg {
         let _ = writeln!(self.body, "<path class=\"hatch\" d=\"{lines}\"/></pattern></defs>");
     }
 
-    /// A line of text; the place is that of its baseline.
+    /// A line of text; the place is that of its baseline. With the class `halo` it has a rim in the paper's colour: a
+    /// thicker copy of it beneath, because not every renderer paints a stroke before the fill (`paint-order`).
     pub fn text(&mut self, class: &str, at: Spot, anchor: Anchor, text: &str) {
+        if class.split(' ').any(|word| word == "halo") {
+            // Colours of their own are left to the upper copy, which a screen reader reads alone.
+            let own =
+                |word: &&str| *word == "halo" || word.starts_with("ink-") || word.starts_with("cutter-");
+            let plain: Vec<&str> = class.split(' ').filter(|word| !own(word)).chain(["under"]).collect();
+            self.put_text(&plain.join(" "), at, anchor, text, true);
+        }
+        self.put_text(class, at, anchor, text, false);
+    }
+
+    fn put_text(&mut self, class: &str, at: Spot, anchor: Anchor, text: &str, hidden: bool) {
         self.body.push_str("<text");
         self.attribute("class", class);
+        if hidden {
+            self.attribute("aria-hidden", "true");
+        }
         self.attribute("x", &number(at.x));
         self.attribute("y", &number(at.y));
         match anchor {
@@ -292,6 +307,18 @@ mod tests {
         let shown = document.descendants().find(|node| node.tag_name().name() == "text").unwrap();
         let expected = hostile.replace(['\u{0}', '\u{1b}', '\u{ffff}'], "\u{fffd}");
         assert_eq!(shown.text(), Some(expected.as_str()));
+    }
+
+    #[test]
+    fn a_halo_is_a_copy_beneath_and_no_order_of_painting() {
+        let mut svg = Svg::default();
+        svg.text("number halo cutter-2", spot(1.0, 2.0), Anchor::Middle, "2·1");
+        let place = "x=\"1\" y=\"2\" text-anchor=\"middle\">2·1</text>\n";
+        let expected = format!(
+            "<text class=\"number under\" aria-hidden=\"true\" {place}<text class=\"number halo cutter-2\" {place}"
+        );
+        assert_eq!(svg.body, expected);
+        assert!(!STYLE.contains("paint-order") && STYLE.contains(".drawing .under{"));
     }
 
     #[test]

@@ -67,7 +67,8 @@ pub(super) fn classes<'a>(node: &Node<'a, '_>) -> Vec<&'a str> {
 }
 
 pub(super) fn of_class<'a, 'd>(within: Node<'a, 'd>, class: &'a str) -> impl Iterator<Item = Node<'a, 'd>> {
-    within.descendants().filter(move |node| classes(node).contains(&class))
+    let of_class = move |node: &Node| classes(node).contains(&class) && !classes(node).contains(&"under");
+    within.descendants().filter(of_class)
 }
 
 pub(super) fn attribute(node: &Node, name: &str) -> f64 {

@@ -55,6 +55,19 @@ impl Window {
         svg.area(class, &path, title);
     }
 
+    /// Draws what of a changed outline is left to be trimmed, and the outline as the ply has it.
+    pub fn draw_trims(&self, svg: &mut Svg, piece: &PieceSketch) {
+        let (mut areas, mut lines) = (Path::default(), Path::default());
+        for trim in &piece.trims {
+            areas.closed(clipped_loop(trim, self.along).iter().map(|point| self.spot(point)));
+        }
+        for given in &piece.given {
+            self.add(&mut lines, given, 0.0);
+        }
+        svg.area("trim", &areas, "left to be trimmed");
+        svg.path("given", &lines, "outline of the ply");
+    }
+
     /// Draws where the tape's own edge bounds a piece.
     pub fn draw_tape_edges(&self, svg: &mut Svg, piece: &PieceSketch, shift: f64) {
         let mut path = Path::default();

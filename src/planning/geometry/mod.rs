@@ -1,6 +1,7 @@
 //! Plane geometry without meaning: polygons, crossings, simplification. Lengths are in mm throughout.
 
 pub mod crossing;
+pub mod disc;
 pub mod frame;
 pub mod polygon;
 pub mod simplify;

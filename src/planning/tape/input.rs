@@ -2,9 +2,11 @@
 
 use super::courses::generate;
 use super::file::origin::Origins;
+use super::likeness;
 use super::machine::{Catalogue, Machine, resolve};
 use super::outline::{self, Loop};
 use super::wire;
+use super::zone;
 use crate::planning::finding::{Code, Finding, any_error};
 use crate::planning::geometry::{Point3, Vector3};
 use crate::planning::tolerance::{SAME_POINT_MM, UNIT_NORMAL, ZERO_NORMAL};
@@ -43,6 +45,8 @@ pub struct TapeInput {
     pub tape_length: Option<Length>,
     /// Chord tolerance.
     pub tolerance: Length,
+    /// The laying head's shortest length, if it has one.
+    pub shortest_piece: Option<Length>,
     /// The course from which on the program goes, if not from the start.
     pub from_course: Option<u32>,
     /// Whether knives stay up and the generator off.
@@ -84,12 +88,15 @@ pub fn check(input: &wire::TapeCut, catalogue: &Catalogue) -> Result<TapeInput, 
     let machine =
         resolve(&input.machine, catalogue, "/input/machine").map_err(|faults| findings.extend(faults)).ok();
     let mut courses = check_courses(input, &mut findings);
-    let zones_mm = check_zones(&input.tape.zones_mm, &mut findings);
+    let zones_mm = zone::check(&input.tape.zones_mm, &mut findings);
     let (boundary, holes) = outline::check(&input.boundary, &input.holes, &mut findings);
     let mut origins = Origins::default();
     if let (None, Some(rule)) = (&input.tracks, &input.courses) {
         origins = Origins::of_generated_courses();
         courses = generated(input, rule, &boundary, &holes, &mut findings);
+    }
+    if !any_error(&findings) {
+        findings.extend(likeness::findings(&boundary, &courses, input));
     }
     let Some(machine) = machine.filter(|_| !any_error(&findings)) else {
         findings.retain(Finding::is_error);
@@ -110,6 +117,7 @@ pub fn check(input: &wire::TapeCut, catalogue: &Catalogue) -> Result<TapeInput, 
         tape_length: input.tape.length_mm.map(Length::from_mm),
         scrap_gap: Length::from_mm(input.options.scrap_gap_mm),
         tolerance: Length::from_mm(input.options.tolerance_mm),
+        shortest_piece: input.options.shortest_piece_mm.map(Length::from_mm),
         from_course: input.options.from_course,
         dry_run: input.options.dry_run,
         findings,
@@ -130,26 +138,6 @@ fn generated(
     }
     let courses = generate(rule, Length::from_mm(input.tape.width_mm), boundary, holes);
     courses.map_err(|fault| findings.push(fault)).unwrap_or_default()
-}
-
-/// Zones in order. Those that overlap or touch are one.
-fn check_zones(zones: &[[f64; 2]], findings: &mut Vec<Finding>) -> Vec<(f64, f64)> {
-    for (index, [from, to]) in zones.iter().enumerate() {
-        if *from < 0.0 || from >= to {
-            let message = format!("a zone runs from 0 or more to more than that, not from {from} to {to} mm");
-            findings.push(Finding::error(Code::OutOfRange, format!("/input/tape/zones_mm/{index}"), message));
-        }
-    }
-    let mut sorted: Vec<(f64, f64)> = zones.iter().map(|[from, to]| (*from, *to)).collect();
-    sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    let mut apart: Vec<(f64, f64)> = Vec::new();
-    for zone in sorted {
-        match apart.last_mut() {
-            Some(last) if zone.0 <= last.1 => last.1 = last.1.max(zone.1),
-            _ => apart.push(zone),
-        }
-    }
-    apart
 }
 
 fn check_courses(input: &wire::TapeCut, findings: &mut Vec<Finding>) -> Vec<Course> {

@@ -18,6 +18,7 @@ pub mod excess;
 pub mod file;
 pub mod front;
 pub mod input;
+pub mod likeness;
 pub mod machine;
 pub mod offset;
 pub mod outline;
@@ -31,6 +32,7 @@ pub mod restart;
 pub mod roll;
 pub mod setup;
 pub mod sides;
+pub mod sliver;
 pub mod spool;
 pub mod stroke;
 pub mod timeline;
@@ -38,6 +40,7 @@ pub mod tips;
 pub mod trace;
 pub mod wire;
 pub mod words;
+pub mod zone;
 
 use self::difference::difference;
 use self::input::TapeInput;
@@ -185,6 +188,7 @@ fn finish(
 ) -> Outcome {
     let name = program_name(input);
     findings.append(&mut written.findings);
+    findings.extend(tips::lacking_overcut(&tips::tips(plan, &input.machine), &input.machine));
     let (figures, faults) = judge(&name, &written.text, &written, plan, input, budget);
     findings.extend(faults);
     input.origins.relocate(&mut findings);
@@ -267,19 +271,28 @@ pub fn check(
     budget: &Budget<'_>,
 ) -> Result<(String, Vec<Finding>), Vec<Finding>> {
     let input = take_over(input, files, catalogue)?;
-    let mut findings = Vec::new();
-    let plan = match plan::plan(&input, budget, &mut findings) {
+    let (words, mut findings) = compared(&input, input_sha256, name, text, budget);
+    input.origins.relocate(&mut findings);
+    Ok((words, findings))
+}
+
+/// The figures of a program in words and all that is to be said of it, at places of the job document.
+fn compared(
+    input: &TapeInput,
+    input_sha256: &str,
+    name: &str,
+    text: &str,
+    budget: &Budget<'_>,
+) -> (String, Vec<Finding>) {
+    let plan = match plan::plan(input, budget, &mut Vec::new()) {
         Ok(plan) => plan,
-        Err(mut faults) => {
-            input.origins.relocate(&mut faults);
-            return Ok(("the job has no plan".to_owned(), faults));
-        }
+        Err(faults) => return ("the job has no plan".to_owned(), faults),
     };
-    let written = match write(&plan, &input, input_sha256, budget) {
+    let written = match write(&plan, input, input_sha256, budget) {
         Ok(written) => written,
-        Err(faults) => return Ok(("the job has no program".to_owned(), faults)),
+        Err(faults) => return ("the job has no program".to_owned(), faults),
     };
-    let (figures, mut findings) = judge(name, text, &written, &plan, &input, budget);
+    let (figures, mut findings) = judge(name, text, &written, &plan, input, budget);
     findings.extend(difference(name, text, &written.text));
-    Ok((figures.to_string(), findings))
+    (figures.to_string(), findings)
 }

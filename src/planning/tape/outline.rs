@@ -180,14 +180,6 @@ fn check_holes(drafts: &[Draft], loops: &[Vec<Point2>], findings: &mut Vec<Findi
     }
 }
 
-/// Says that a boundary turns counter-clockwise seen from the normals' side, which is accepted.
-pub fn report_sense(boundary: &Loop, normal: &Vector3, findings: &mut Vec<Finding>) {
-    if Plane::of(boundary).is_some_and(|plane| plane.normal.dot(normal) > 0.0) {
-        let message = "the boundary turns counter-clockwise seen from the normals' side; that is accepted";
-        findings.push(Finding::info(Code::OutlineSense, "/input/boundary/points", message));
-    }
-}
-
 /// The area in mm^2 of a flat ply less its cut-outs; `None` on a curved mould.
 #[must_use]
 pub fn flat_area(boundary: &Loop, holes: &[Loop]) -> Option<f64> {

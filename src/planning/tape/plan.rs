@@ -7,13 +7,15 @@ use super::develop::{PlyInSpace, develop};
 use super::input::{Allocation, Course, OnExcess, TapeInput};
 use super::machine::{Cutter, Machine};
 use super::offset::{busy_mm, parted};
-use super::outline::{flat_area, report_sense};
+use super::outline::flat_area;
 use super::pace::least_time;
 use super::piece::{Piece, within_strip};
 use super::place::Tape;
 use super::roll::{Roll, RollFigures, lay};
 use super::sides::keep_sides;
+use super::sliver::{self, Marks};
 use super::stroke::{Stroke, strokes};
+use super::zone;
 use crate::planning::budget::Budget;
 use crate::planning::finding::{Code, Finding};
 use crate::planning::program::number::rounded;
@@ -57,6 +59,10 @@ pub struct PlannedPiece {
     pub chains: Vec<(Chain, usize)>,
     /// How far its outline was changed on the scrap side, in mm, and the area that this leaves to be trimmed, in mm^2.
     pub simplified: Option<(f64, f64)>,
+    /// The piece as the ply has it, if its outline was changed.
+    pub given: Option<Box<Piece>>,
+    /// What is odd about it.
+    pub marks: Marks,
     /// The cut of it that is made as a cut of its neighbour.
     pub shared: Option<SharedCut>,
 }
@@ -95,6 +101,7 @@ pub fn plan(
     budget.stage("roll");
     let planned = on_roll(courses, input)?;
     findings.extend(planned.shared_cuts());
+    findings.extend(zone::unused(input, planned.figures.tape_used_mm));
     Ok(planned)
 }
 
@@ -118,9 +125,6 @@ fn pieces_of_courses(
     findings: &mut Vec<Finding>,
 ) -> Result<Vec<PlannedCourse>, Vec<Finding>> {
     let mut courses = Vec::new();
-    if let Some(course) = input.courses.first() {
-        report_sense(&input.boundary, &course.normals[0], findings);
-    }
     let ply = PlyInSpace::new(&input.boundary, &input.holes);
     for course in &input.courses {
         let pieces = pieces_of(course, &ply, input, budget).map_err(|finding| vec![finding])?;
@@ -132,6 +136,8 @@ fn pieces_of_courses(
             ));
         } else {
             findings.extend(pieces.iter().filter_map(|piece| simplification(course, piece)));
+            let at = format!("/input/tracks/{}", course.index);
+            findings.extend(sliver::findings(course.number, &at, &pieces, input));
             courses.push(PlannedCourse { number: course.number, index: course.index, pieces });
         }
     }
@@ -164,10 +170,9 @@ fn pieces_of(
 
 fn chained(mut piece: Piece, input: &TapeInput) -> PlannedPiece {
     let (half_width_mm, knives) = (input.width.mm() / 2.0, input.machine.cutters.len());
-    let simplified = match input.on_excess {
-        OnExcess::Simplify => piece.simplify(half_width_mm, knives),
-        OnExcess::Reject => None,
-    };
+    let given = (input.on_excess == OnExcess::Simplify).then(|| Box::new(piece.clone()));
+    let simplified = given.as_ref().and_then(|_| piece.simplify(half_width_mm, knives));
+    let given = given.filter(|_| simplified.is_some());
     let chains = piece
         .cuts()
         .enumerate()
@@ -180,7 +185,8 @@ fn chained(mut piece: Piece, input: &TapeInput) -> PlannedPiece {
         })
         .collect();
     let u = piece.u_range();
-    PlannedPiece { piece, u, offset_mm: 0.0, chains, simplified, shared: None }
+    let marks = Marks::of(&piece, u, input);
+    PlannedPiece { piece, u, offset_mm: 0.0, chains, simplified, given, marks, shared: None }
 }
 
 /// Gives the chains of each piece to knives as if it were alone on the roll.

@@ -6,6 +6,7 @@ use super::chain::Slope;
 use super::input::TapeInput;
 use super::plan::{PlannedCourse, PlannedPiece, TapePlan};
 use super::roll::RollFigures;
+use super::sliver::Marks;
 use super::tips::{Tip, tips};
 use crate::planning::geometry::Point2;
 use crate::planning::program::moves::TapeProgram;
@@ -98,6 +99,8 @@ struct ManifestEntry {
     area_mm2: f64,
     /// Roll coordinates of its start and its end.
     roll_mm: [f64; 2],
+    #[serde(flatten)]
+    marks: Marks,
 }
 
 impl<'a> TapeReport<'a> {
@@ -167,6 +170,7 @@ fn manifest(plan: &TapePlan) -> Vec<ManifestEntry> {
                 length_mm: high - low,
                 area_mm2: piece.piece.area_mm2,
                 roll_mm: [low + piece.offset_mm, high + piece.offset_mm],
+                marks: piece.marks,
             }
         })
         .collect()

@@ -24,6 +24,7 @@ pub fn sheet(
     text.push_str(&tape_part(plan, program, input));
     text.push_str(&zero_part(program, &input.machine));
     text.push_str(&manifest_part(plan));
+    text.push_str(&trim_part(plan, input));
     Attachment { name: "setup.md".to_owned(), text }
 }
 
@@ -125,6 +126,11 @@ fn tape_part(plan: &TapePlan, program: &TapeProgram, input: &TapeInput) -> Strin
     // The tape moves toward +U, so the largest roll coordinate passes the knives first.
     rows.push(("first piece cut", name(cut_here(plan, input).last())));
     rows.push(("last piece cut", name(cut_here(plan, input).first())));
+    if !input.zones_mm.is_empty() {
+        let zones = input.zones_mm.iter().map(|(from, to)| format!("{} to {} mm", mm(*from), mm(*to)));
+        let zones = zones.collect::<Vec<_>>().join(", ");
+        rows.push(("kept free of pieces, from the leading end of the tape", zones));
+    }
     if let Some(spool) = &input.machine.feed.spool {
         let way = match spool.turning {
             Turning::Unwinding => "unwinds",
@@ -204,23 +210,43 @@ fn ultrasonic(machine: &Machine) -> String {
     }
 }
 
+/// Pieces whose outline was changed on its scrap side, and what that leaves to do; empty if there are none.
+fn trim_part(plan: &TapePlan, input: &TapeInput) -> String {
+    let mut rows = String::new();
+    for &(course, index) in cut_here(plan, input) {
+        let course = &plan.courses[course];
+        if let Some((deviation, area)) = course.pieces[index].simplified {
+            let (number, piece) = (course.number, index + 1);
+            rows.push_str(&format!("| {number} | {piece} | {} | {} |\n", fixed(deviation, 3), mm(area)));
+        }
+    }
+    if rows.is_empty() {
+        return rows;
+    }
+    format!(
+        "\n## To be trimmed by hand (tinted in `pieces.svg`)\n\nFor these outlines there are not enough knives; they are cut \
+         on the scrap side of the ply's.\n\n| course | piece | beyond the ply, at most mm | area mm2 |\n|---|---|---|---|\n{rows}"
+    )
+}
+
 /// The last piece wound comes off the cassette first.
 fn manifest_part(plan: &TapePlan) -> String {
     let mut text = String::from(
         "## Cassette, in the order in which it gives the pieces out\n\n\
-         | | course | piece | length mm | area mm2 | roll from mm | to mm |\n|---|---|---|---|---|---|---|\n",
+         | | course | piece | length mm | area mm2 | roll from mm | to mm | |\n|---|---|---|---|---|---|---|---|\n",
     );
     for (place, (&(course, index), (_, piece))) in plan.order.iter().zip(plan.pieces()).enumerate() {
         let (low, high) = piece.piece.u_range();
         text.push_str(&format!(
-            "| {} | {} | {} | {} | {} | {} | {} |\n",
+            "| {} | {} | {} | {} | {} | {} | {} | {} |\n",
             place + 1,
             plan.courses[course].number,
             index + 1,
             mm(high - low),
             mm(piece.piece.area_mm2),
             mm(low + piece.offset_mm),
-            mm(high + piece.offset_mm)
+            mm(high + piece.offset_mm),
+            piece.marks.words()
         ));
     }
     text

@@ -50,7 +50,7 @@ pub fn conflicts(strokes: Vec<Vec<Stroke>>, machine: &Machine) -> Vec<Conflict> 
 }
 
 fn unreachable(strokes: &[Vec<Stroke>], machine: &Machine) -> Vec<Finding> {
-    let mut findings = Vec::new();
+    let mut findings: Vec<Finding> = emptied(strokes, machine).into_iter().collect();
     let longest = machine.feed.max_length.mm();
     for (cutter, strokes) in machine.cutters.iter().zip(strokes) {
         let (min, max) = (cutter.lateral_range.0.mm(), cutter.lateral_range.1.mm());
@@ -71,7 +71,6 @@ fn unreachable(strokes: &[Vec<Stroke>], machine: &Machine) -> Vec<Finding> {
                     knot.x
                 )));
             }
-            findings.extend(emptied(stroke, machine).map(here));
             if stroke.turn_from(0.0, cutter).is_none() {
                 findings.push(here("the blade's range is too small to follow the cut".to_owned()));
             }
@@ -80,16 +79,20 @@ fn unreachable(strokes: &[Vec<Stroke>], machine: &Machine) -> Vec<Finding> {
     findings
 }
 
-/// Where a stroke needs more tape than is on the spool.
-fn emptied(stroke: &Stroke, machine: &Machine) -> Option<String> {
+/// Says that the strokes need more tape than is on the spool, and which course is the first to find it empty.
+fn emptied(strokes: &[Vec<Stroke>], machine: &Machine) -> Option<Finding> {
     let spool = machine.feed.spool?;
     let holds = spool.holds_mm();
-    let knot = stroke.knots.iter().find(|knot| knot.x > holds)?;
-    let core = spool.core_radius_mm;
-    Some(format!(
-        "the spool is empty, down to its core of {core} mm, after {holds:.1} mm of tape; {} mm are needed",
-        knot.x
-    ))
+    let needs = |stroke: &Stroke| stroke.knots[stroke.knots.len() - 1].x;
+    let lacking = strokes.iter().flatten().filter(|stroke| needs(stroke) > holds);
+    let most = lacking.clone().map(needs).reduce(f64::max)?;
+    let first = lacking.min_by(|a, b| needs(a).total_cmp(&needs(b)))?;
+    let message = format!(
+        "the spool is empty, down to its core of {} mm, after {holds:.1} mm of tape; {most:.1} mm are needed. The first \
+         course, in the order of cutting, that does not fit is {}",
+        spool.core_radius_mm, first.course
+    );
+    Some(Finding::error(Code::AxisLimit, "/input/machine", message))
 }
 
 /// A carriage and what it does next.

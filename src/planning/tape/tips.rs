@@ -17,7 +17,10 @@ use serde::Serialize;
 use super::chain::Chain;
 use super::machine::Machine;
 use super::plan::{PlannedPiece, TapePlan};
+use crate::planning::finding::{Code, Finding};
 use crate::planning::geometry::{Point2, Vector2};
+use crate::planning::program::number::fixed;
+use crate::planning::tolerance::SAME_POINT_MM;
 
 /// Which way a tip points, U to the right.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -77,6 +80,28 @@ pub fn tips(plan: &TapePlan, machine: &Machine) -> Vec<Tip> {
         }
     }
     tips
+}
+
+/// Says that the cuts at tips do not go on far enough to meet whatever the signs of the profile's errors are.
+#[must_use]
+pub fn lacking_overcut(tips: &[Tip], machine: &Machine) -> Option<Finding> {
+    let overcut = |tip: &Tip| {
+        let of_tip = machine.cutters.iter().filter(|cutter| tip.cutters.contains(&cutter.number));
+        of_tip.map(|cutter| cutter.overcut.mm()).fold(f64::INFINITY, f64::min)
+    };
+    let lacking: Vec<&Tip> =
+        tips.iter().filter(|tip| tip.severing_overcut_mm > overcut(tip) + SAME_POINT_MM).collect();
+    let worst = lacking.iter().max_by(|a, b| a.severing_overcut_mm.total_cmp(&b.severing_overcut_mm))?;
+    let message = format!(
+        "for the errors in the profile the cuts of two knives may not meet at {} tips: at the one of course {}, piece {}, \
+         they would have to go on by {} mm, and overcut_mm is {}",
+        lacking.len(),
+        worst.course,
+        worst.piece,
+        fixed(worst.severing_overcut_mm, 3),
+        overcut(worst)
+    );
+    Some(Finding::warning(Code::OvercutTooShort, "/input/machine", message))
 }
 
 type Given = (Chain, usize);

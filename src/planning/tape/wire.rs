@@ -179,6 +179,9 @@ pub struct Options {
     pub share_cuts: bool,
     /// Chord tolerance in mm.
     pub tolerance_mm: f64,
+    /// The laying head's shortest length in mm, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shortest_piece_mm: Option<f64>,
     /// The course from which on the program goes, if not from the start.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub from_course: Option<u32>,
@@ -196,6 +199,7 @@ impl Default for Options {
             scrap_gap_mm: 0.0,
             share_cuts: false,
             tolerance_mm: crate::planning::tolerance::CHORD_MM,
+            shortest_piece_mm: None,
             from_course: None,
             dry_run: false,
         }
@@ -548,6 +552,7 @@ pub const TAPE_CUT: &[Field] = &[
             optional("scrap_gap_mm", Shape::Number { min: 0.0, max: 10_000.0 }),
             optional("share_cuts", Shape::Boolean),
             optional("tolerance_mm", Shape::Number { min: 0.001, max: 1.0 }),
+            optional("shortest_piece_mm", Shape::Positive { max: LARGEST_MM }),
             optional("from_course", Shape::Integer { min: 1, max: 1_000_000 }),
             optional("dry_run", Shape::Boolean),
         ]),

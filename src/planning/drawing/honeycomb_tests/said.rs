@@ -48,7 +48,8 @@ fn lines(node: &Node) -> Vec<Vec<Point2>> {
 }
 
 fn texts(document: &Document) -> String {
-    let texts = document.descendants().filter(|node| node.tag_name().name() == "text");
+    let is_words = |node: &Node| node.tag_name().name() == "text" && !classes(node).contains(&"under");
+    let texts = document.descendants().filter(is_words);
     texts.filter_map(|node| node.text().map(str::to_owned)).collect::<Vec<_>>().join(" | ")
 }
 
