@@ -99,7 +99,7 @@ pub fn plan(
     budget.stage("chains");
     findings.extend(assign_knives(&mut courses, input)?);
     budget.stage("roll");
-    let planned = on_roll(courses, input)?;
+    let planned = on_roll(courses, input, budget)?;
     findings.extend(planned.shared_cuts());
     findings.extend(zone::unused(input, planned.figures.tape_used_mm));
     Ok(planned)
@@ -233,7 +233,11 @@ fn roll_chains(course: &PlannedCourse, piece: &PlannedPiece) -> Vec<RollChain> {
     piece.chains.iter().filter(|(chain, _)| !piece.shares(chain)).map(on_roll).collect()
 }
 
-fn on_roll(mut courses: Vec<PlannedCourse>, input: &TapeInput) -> Result<TapePlan, Vec<Finding>> {
+fn on_roll(
+    mut courses: Vec<PlannedCourse>,
+    input: &TapeInput,
+    budget: &Budget<'_>,
+) -> Result<TapePlan, Vec<Finding>> {
     let places = indices(&courses);
     let knives = input.machine.cutters.len();
     let rule = if input.allocation == Allocation::Free { Rule::Count } else { Rule::Given };
@@ -247,7 +251,7 @@ fn on_roll(mut courses: Vec<PlannedCourse>, input: &TapeInput) -> Result<TapePla
         rule,
         share_mm: input.share_cuts.then_some(input.tolerance.mm()),
     };
-    let roll = lay(&blocks, input.roll_order, &tape);
+    let roll = lay(&blocks, input.roll_order, &tape, budget).map_err(|finding| vec![finding])?;
     take_places(&mut courses, &places, &blocks, &roll, knives);
     if rule == Rule::Count {
         give_for_least_time(&mut courses, &input.machine)?;

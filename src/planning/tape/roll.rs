@@ -12,6 +12,8 @@ use super::block::Block;
 use super::front::{Between, between};
 use super::input::RollOrder;
 use super::place::{Place, STEP_MM, Tape, least_tape, place, touching_tape};
+use crate::planning::budget::Budget;
+use crate::planning::finding::Finding;
 
 /// Where the pieces lie.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,17 +58,24 @@ pub struct RollFigures {
 }
 
 /// Places pieces, given in laying order.
-#[must_use]
-pub fn lay(blocks: &[Block], roll_order: RollOrder, tape: &Tape<'_>) -> Roll {
+///
+/// # Errors
+/// `BudgetSpent` or `Cancelled`.
+pub fn lay(
+    blocks: &[Block],
+    roll_order: RollOrder,
+    tape: &Tape<'_>,
+    budget: &Budget<'_>,
+) -> Result<Roll, Finding> {
     let mut order: Vec<usize> = (0..blocks.len()).collect();
     if roll_order == RollOrder::Laying {
         order.reverse();
     }
     // The largest r passes the knives first.
     let passing: Vec<&Block> = order.iter().rev().map(|&index| &blocks[index]).collect();
-    let placed = place(&passing, tape);
+    let placed = place(&passing, tape, budget)?;
     let (Some(last), Some(block)) = (placed.last(), passing.last()) else {
-        return Roll { offsets_mm: vec![], order, places: vec![], leading_end_mm: 0.0, length_mm: 0.0 };
+        return Ok(Roll { offsets_mm: vec![], order, places: vec![], leading_end_mm: 0.0, length_mm: 0.0 });
     };
     // The piece that is cut last begins at r = 0, or less than a step beyond.
     let leading_end_mm = ((last.at_mm - block.u.0) / STEP_MM).ceil() * STEP_MM;
@@ -77,7 +86,8 @@ pub fn lay(blocks: &[Block], roll_order: RollOrder, tape: &Tape<'_>) -> Roll {
     by_piece.sort_by_key(|(index, _)| *index);
     let places: Vec<Place> = by_piece.into_iter().map(|(_, place)| place).collect();
     let offset = |place: &Place| ((leading_end_mm - place.at_mm) / STEP_MM).round() * STEP_MM;
-    Roll { offsets_mm: places.iter().map(offset).collect(), order, places, leading_end_mm, length_mm }
+    let offsets_mm = places.iter().map(offset).collect();
+    Ok(Roll { offsets_mm, order, places, leading_end_mm, length_mm })
 }
 
 impl Roll {
