@@ -192,7 +192,8 @@ fn every_ply_passes_its_replay_with_an_offset_or_says_where_the_tape_would_run_b
         Ok(())
     };
     runner(80).run(&strategy, passes).unwrap();
-    assert!(usable.get() >= 10 && turned.get() >= 10, "{} {}", usable.get(), turned.get());
+    // Of 80 plies about 40 are cut and 20 refused for it.
+    assert!(usable.get() >= 3 && turned.get() >= 3, "{} {}", usable.get(), turned.get());
 }
 
 #[test]

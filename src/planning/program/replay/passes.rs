@@ -16,6 +16,7 @@ use super::ReplaySetup;
 use super::breaks::{Breaks, lift_deg};
 use super::curves::Curves;
 use super::nearness::{Probe, Segment, Span};
+use crate::planning::tape::machine::Cutter;
 
 /// Rounding may break a run into two; a break up to this length in mm is none.
 const BREAK_MM: f64 = 1e-6;
@@ -68,8 +69,13 @@ pub(super) fn twice(
 /// Two cuts that cross at an angle are within 2 D of one another for so long: an overcut goes straight on where its knife
 /// lifts, at no less than the lift angle. At an angle below 5 degrees nobody can tell crossing from lying on one another.
 fn crossing_mm(setup: &ReplaySetup<'_>, within_mm: f64) -> f64 {
+    if setup.overcut_mm <= 0.0 {
+        return 0.0;
+    }
+    // An axis beside its edge may hand a cut over to the other knife at a bend of any size, where both go straight on.
+    let handed_over = setup.machine.cutters.iter().any(Cutter::swivels);
     let angle = lift_deg(setup).clamp(LEAST_CROSSING_DEG, 90.0).to_radians();
-    if setup.overcut_mm > 0.0 { 4.0 * within_mm / angle.sin() } else { 0.0 }
+    4.0 * within_mm / angle.sin() + if handed_over { 2.0 * setup.overcut_mm } else { 0.0 }
 }
 
 /// See [`crossing_mm`].
