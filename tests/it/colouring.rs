@@ -155,8 +155,11 @@ fn planned(job: &Value) -> Result<Outcome, TestCaseError> {
     })
 }
 
-/// The planner's chains of each course on the roll: knife, smallest and largest r.
-fn given(outcome: &Outcome) -> Vec<Vec<(u64, (f64, f64), f64)>> {
+/// A chain of the planner: its knife, smallest and largest u, and r - u.
+type Given = (u64, (f64, f64), f64);
+
+/// The planner's chains of each course.
+fn given(outcome: &Outcome) -> Vec<Vec<Given>> {
     let courses = outcome.report["courses"].as_array().unwrap();
     let of_course = |course: &Value| {
         let pieces = course["pieces"].as_array().unwrap();
