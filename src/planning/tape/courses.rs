@@ -6,6 +6,7 @@
 //! tape begins where the ply does. They are laid toward +V, each from its smallest u to its largest.
 
 use super::input::Course;
+use super::label::{CourseLabel, CoursePlace};
 use super::outline::{Loop, Plane};
 use super::wire::{self, MOST_LOOPS};
 use crate::planning::finding::{Code, Finding};
@@ -43,8 +44,8 @@ pub fn generate(
         .map(|(index, (low, (first, last)))| {
             let v = low + strips.width / 2.0;
             Course {
-                number: index as u32 + 1,
-                index,
+                label: CourseLabel::from(index as u32 + 1),
+                place: CoursePlace { ply: None, index },
                 points: [first, last].map(|u| frame.place(u, v)).to_vec(),
                 normals: vec![frame.normal; 2],
             }

@@ -2,6 +2,7 @@
 
 use super::courses::generate;
 use super::file::origin::Origins;
+use super::label::{CourseLabel, CoursePlace};
 use super::likeness;
 use super::machine::{Catalogue, Machine, resolve};
 use super::outline::{self, Loop};
@@ -48,7 +49,7 @@ pub struct TapeInput {
     /// The laying head's shortest length, if it has one.
     pub shortest_piece: Option<Length>,
     /// The course from which on the program goes, if not from the start.
-    pub from_course: Option<u32>,
+    pub from_course: Option<CourseLabel>,
     /// Whether knives stay up and the generator off.
     pub dry_run: bool,
     /// What was accepted and should be known.
@@ -68,10 +69,10 @@ impl TapeInput {
 /// A course: the centre line of a tape on the mould.
 #[derive(Debug, Clone)]
 pub struct Course {
-    /// Its number.
-    pub number: u32,
+    /// What it is called.
+    pub label: CourseLabel,
     /// Its place in the job document, for findings.
-    pub index: usize,
+    pub place: CoursePlace,
     /// Points in mm in laying direction, none repeated.
     pub points: Vec<Point3>,
     /// The mould's outward unit normal at each.
@@ -118,7 +119,7 @@ pub fn check(input: &wire::TapeCut, catalogue: &Catalogue) -> Result<TapeInput, 
         scrap_gap: Length::from_mm(input.options.scrap_gap_mm),
         tolerance: Length::from_mm(input.options.tolerance_mm),
         shortest_piece: input.options.shortest_piece_mm.map(Length::from_mm),
-        from_course: input.options.from_course,
+        from_course: input.options.from_course.map(CourseLabel::from),
         dry_run: input.options.dry_run,
         findings,
         origins,
@@ -174,8 +175,10 @@ fn refuse_repeated_numbers(tracks: &[wire::Track], findings: &mut Vec<Finding>) 
 }
 
 fn check_course(index: usize, track: &wire::Track, findings: &mut Vec<Finding>) -> Course {
-    let at = format!("/input/tracks/{index}/points");
-    let mut course = Course { number: track.number, index, points: Vec::new(), normals: Vec::new() };
+    let place = CoursePlace { ply: None, index };
+    let at = format!("{place}/points");
+    let label = CourseLabel::from(track.number);
+    let mut course = Course { label, place, points: Vec::new(), normals: Vec::new() };
     let mut repeated = Vec::new();
     for (number, point) in track.points.iter().enumerate() {
         let position = Point3::from(point.position);

@@ -98,10 +98,10 @@ fn opposed(courses: &[Course], mean: &Vector3, width_mm: f64) -> Vec<Finding> {
 fn turned_over(course: &Course) -> Option<Finding> {
     let mut steps = course.normals.windows(2);
     let point = 1 + steps.position(|pair| pair[0].dot(&pair[1]) < OPPOSED_COSINE)?;
-    let at = format!("/input/tracks/{}/points", course.index);
+    let at = format!("{}/points", course.place);
     let message = format!(
         "the normal at point {point} of course {} points against that of the point before",
-        course.number
+        course.label
     );
     Some(Finding::error(Code::NormalsOpposed, at, message))
 }
@@ -197,22 +197,22 @@ impl Meetings {
 }
 
 fn certainly_opposed<'a>(course: &Course, others: impl Iterator<Item = &'a Course>) -> Finding {
-    let others = others.map(|other| other.number.to_string()).collect::<Vec<_>>().join(", ");
+    let others = others.map(|other| other.label.to_string()).collect::<Vec<_>>().join(", ");
     let message = format!(
         "the normals of course {} point against those of the courses beside it ({others}): its pieces would be mirrored. \
          Give the mould's outward normals",
-        course.number
+        course.label
     );
-    Finding::error(Code::NormalsOpposed, format!("/input/tracks/{}/points", course.index), message)
+    Finding::error(Code::NormalsOpposed, format!("{}/points", course.place), message)
 }
 
 fn perhaps_opposed(course: &Course, other: &Course) -> Finding {
     let message = format!(
         "the normals of course {} point against those of course {} beside it: the pieces of one of both are mirrored, \
          unless the mould turns over an edge between them",
-        course.number, other.number
+        course.label, other.label
     );
-    Finding::warning(Code::NormalsOpposed, format!("/input/tracks/{}/points", course.index), message)
+    Finding::warning(Code::NormalsOpposed, format!("{}/points", course.place), message)
 }
 
 /// A cell of the grid and those around it.

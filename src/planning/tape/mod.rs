@@ -18,6 +18,7 @@ pub mod excess;
 pub mod file;
 pub mod front;
 pub mod input;
+pub mod label;
 pub mod likeness;
 pub mod machine;
 pub mod offset;
@@ -61,7 +62,7 @@ use super::program::replay::{ReplayFigures, ReplaySetup, dry, replay};
 /// Name of the one program of a tape-cut job: what it is, with the ending of its dialect.
 #[must_use]
 pub fn program_name(input: &TapeInput) -> String {
-    let from = input.from_course.map_or(String::new(), |number| format!("-from-course-{number}"));
+    let from = input.from_course.map_or(String::new(), |course| format!("-from-course-{}", course.number));
     let dry = if input.dry_run { "-dry-run" } else { "" };
     format!("roll{from}{dry}.{}", language(input.machine.dialect).ending)
 }
@@ -164,8 +165,8 @@ fn write(
     let mut bound_time_s = timeline::bound_s(&strokes, machine);
     let whole = timeline::merge(strokes, machine, input.tolerance.mm())?;
     let (mut program, mut before) = (whole, Vec::new());
-    if let Some((number, mut strokes)) = input.from_course.zip(kept) {
-        let restart = restart::from_course(&program, number, machine, plan.figures.lead_mm);
+    if let Some((course, mut strokes)) = input.from_course.zip(kept) {
+        let restart = restart::from_course(&program, course, machine, plan.figures.lead_mm);
         restart::Restart { program, before } = restart.map_err(|fault| vec![fault])?;
         let later = |stroke: &stroke::Stroke| stroke.knots[0].x >= program.start.feed_mm;
         strokes.iter_mut().for_each(|strokes| strokes.retain(later));

@@ -5,6 +5,7 @@ use super::block::{Block, Rule, Way};
 use super::chain::{Chain, split};
 use super::develop::{PlyInSpace, develop};
 use super::input::{Allocation, Course, OnExcess, TapeInput};
+use super::label::{CourseLabel, CoursePlace};
 use super::machine::{Cutter, Machine};
 use super::offset::{busy_mm, parted};
 use super::outline::flat_area;
@@ -38,10 +39,10 @@ pub struct TapePlan {
 /// A course of a plan.
 #[derive(Debug, Clone)]
 pub struct PlannedCourse {
-    /// Its number.
-    pub number: u32,
+    /// What it is called.
+    pub label: CourseLabel,
     /// Its place in the job document.
-    pub index: usize,
+    pub place: CoursePlace,
     /// Its pieces in order of their smallest u.
     pub pieces: Vec<PlannedPiece>,
 }
@@ -131,14 +132,13 @@ fn pieces_of_courses(
         if pieces.is_empty() {
             findings.push(Finding::info(
                 Code::CourseOffPly,
-                format!("/input/tracks/{}", course.index),
-                format!("course {} does not touch the ply and is left out", course.number),
+                course.place.to_string(),
+                format!("course {} does not touch the ply and is left out", course.label),
             ));
         } else {
             findings.extend(pieces.iter().filter_map(|piece| simplification(course, piece)));
-            let at = format!("/input/tracks/{}", course.index);
-            findings.extend(sliver::findings(course.number, &at, &pieces, input));
-            courses.push(PlannedCourse { number: course.number, index: course.index, pieces });
+            findings.extend(sliver::findings(course, &pieces, input));
+            courses.push(PlannedCourse { label: course.label, place: course.place, pieces });
         }
     }
     Ok(courses)
@@ -149,9 +149,9 @@ fn simplification(course: &Course, piece: &PlannedPiece) -> Option<Finding> {
     let message = format!(
         "course {}: there are not enough knives for its outline; it was changed on the scrap side, by {deviation_mm:.3} mm along \
          the tape at the most, and {area_mm2:.1} mm2 are left to be trimmed",
-        course.number
+        course.label
     );
-    Some(Finding::warning(Code::OutlineSimplified, format!("/input/tracks/{}", course.index), message))
+    Some(Finding::warning(Code::OutlineSimplified, course.place.to_string(), message))
 }
 
 fn pieces_of(
@@ -222,8 +222,8 @@ fn roll_chains(course: &PlannedCourse, piece: &PlannedPiece) -> Vec<RollChain> {
     let on_roll = |(chain, cutter): &(Chain, usize)| {
         let (low, high) = chain.busy_mm;
         RollChain {
-            course: course.number,
-            course_index: course.index,
+            course: course.label,
+            place: course.place,
             range: (low + piece.offset_mm, high + piece.offset_mm),
             offset_mm: piece.offset_mm,
             published: *cutter,
@@ -427,7 +427,7 @@ impl TapePlan {
             let machine_cutter = &input.machine.cutters[*cutter];
             let x_of_u0 = self.figures.lead_mm - piece.offset_mm + machine_cutter.station.mm();
             let thinning_mm = machine_cutter.thinning_mm(input.thinning_mm(), input.tolerance.mm());
-            let mut made = strokes(chain, course.number, machine_cutter, x_of_u0, thinning_mm);
+            let mut made = strokes(chain, course.label, machine_cutter, x_of_u0, thinning_mm);
             let before = of_cutters[*cutter].last().and_then(|stroke| stroke.knots.last());
             if !machine_cutter.swivels() {
                 hold_back(&mut made, before.map_or(f64::NEG_INFINITY, |knot| knot.x));
@@ -460,9 +460,9 @@ impl TapePlan {
             let Some(shared) = piece.shared else { continue };
             let message = format!(
                 "the end of course {} and the start of course {} are one cut; the two are {:.4} mm apart at most",
-                course.number, self.courses[shared.with.0].number, shared.apart_mm
+                course.label, self.courses[shared.with.0].label, shared.apart_mm
             );
-            findings.push(Finding::info(Code::SharedCut, format!("/input/tracks/{}", course.index), message));
+            findings.push(Finding::info(Code::SharedCut, course.place.to_string(), message));
         }
         findings
     }
@@ -498,7 +498,7 @@ impl TapePlan {
         }
         let needs = |piece: &PlannedPiece| self.leading_end_mm - (piece.u.0 + piece.offset_mm) + behind_mm;
         let first = self.pieces().rev().find(|(_, piece)| needs(piece) > length_mm)?;
-        let course = first.0.number;
+        let course = first.0.label;
         Some(format!(
             "{lacking:.3} mm more are needed. The first course, in the order of cutting, that does not fit is {course}"
         ))
@@ -510,7 +510,7 @@ impl TapePlan {
         let mut wanted = Vec::new();
         for (course, piece) in self.pieces() {
             wanted.extend(piece.piece.cuts().map(|cut| WantedCut {
-                course: course.number,
+                course: course.label,
                 points: cut.iter().map(|point| [point.x + piece.offset_mm, point.y]).collect(),
             }));
         }

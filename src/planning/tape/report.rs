@@ -114,7 +114,7 @@ impl<'a> TapeReport<'a> {
         replay: ReplayFigures,
     ) -> Self {
         let courses = plan.courses.iter().map(|course| CourseReport {
-            number: course.number,
+            number: course.label.number,
             pieces: course.pieces.iter().map(piece_report).collect(),
         });
         let machine = &input.machine;
@@ -129,7 +129,7 @@ impl<'a> TapeReport<'a> {
             replay,
             simplified: plan.courses.iter().filter_map(simplified_report).collect(),
             tips: tips(plan, machine),
-            from_course: input.from_course,
+            from_course: input.from_course.map(|course| course.number),
             approach_s: input.from_course.map(|_| program.approach_s),
             dry_run: input.dry_run,
         }
@@ -139,7 +139,7 @@ impl<'a> TapeReport<'a> {
 fn simplified_report(course: &PlannedCourse) -> Option<SimplifiedReport> {
     let changes: Vec<(f64, f64)> = course.pieces.iter().filter_map(|piece| piece.simplified).collect();
     (!changes.is_empty()).then(|| SimplifiedReport {
-        course: course.number,
+        course: course.label.number,
         max_deviation_mm: changes.iter().map(|change| change.0).fold(0.0, f64::max),
         extra_area_mm2: changes.iter().map(|change| change.1).sum(),
     })
@@ -165,7 +165,7 @@ fn manifest(plan: &TapePlan) -> Vec<ManifestEntry> {
         .map(|(&(_, index), (course, piece))| {
             let (low, high) = piece.piece.u_range();
             ManifestEntry {
-                course: course.number,
+                course: course.label.number,
                 piece: index + 1,
                 length_mm: high - low,
                 area_mm2: piece.piece.area_mm2,

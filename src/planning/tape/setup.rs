@@ -60,7 +60,7 @@ fn reading(machine: &Machine, feed_mm: f64) -> String {
 /// The pieces that a program cuts, in increasing roll coordinate.
 fn cut_here<'a>(plan: &'a TapePlan, input: &TapeInput) -> &'a [(usize, usize)] {
     let last =
-        plan.order.iter().rposition(|&(course, _)| Some(plan.courses[course].number) == input.from_course);
+        plan.order.iter().rposition(|&(course, _)| Some(plan.courses[course].label) == input.from_course);
     &plan.order[..last.map_or(plan.order.len(), |last| last + 1)]
 }
 
@@ -120,7 +120,7 @@ fn tape_part(plan: &TapePlan, program: &TapeProgram, input: &TapeInput) -> Strin
     ];
     let name = |place: Option<&(usize, usize)>| {
         place.map_or(String::new(), |&(course, piece)| {
-            format!("course {}, piece {}", plan.courses[course].number, piece + 1)
+            format!("course {}, piece {}", plan.courses[course].label, piece + 1)
         })
     };
     // The tape moves toward +U, so the largest roll coordinate passes the knives first.
@@ -216,8 +216,8 @@ fn trim_part(plan: &TapePlan, input: &TapeInput) -> String {
     for &(course, index) in cut_here(plan, input) {
         let course = &plan.courses[course];
         if let Some((deviation, area)) = course.pieces[index].simplified {
-            let (number, piece) = (course.number, index + 1);
-            rows.push_str(&format!("| {number} | {piece} | {} | {} |\n", fixed(deviation, 3), mm(area)));
+            let (label, piece) = (course.label, index + 1);
+            rows.push_str(&format!("| {label} | {piece} | {} | {} |\n", fixed(deviation, 3), mm(area)));
         }
     }
     if rows.is_empty() {
@@ -240,7 +240,7 @@ fn manifest_part(plan: &TapePlan) -> String {
         text.push_str(&format!(
             "| {} | {} | {} | {} | {} | {} | {} | {} |\n",
             place + 1,
-            plan.courses[course].number,
+            plan.courses[course].label,
             index + 1,
             mm(high - low),
             mm(piece.piece.area_mm2),

@@ -74,7 +74,7 @@ pub fn tips(plan: &TapePlan, machine: &Machine) -> Vec<Tip> {
             for (one, other) in meeting(piece) {
                 let both = [TipKind::Greater, TipKind::Less];
                 let found = both.map(|kind| tip(piece, (one, other), kind, plan.figures.lead_mm, machine));
-                let named = |tip| Tip { course: course.number, piece: index + 1, ..tip };
+                let named = |tip| Tip { course: course.label.number, piece: index + 1, ..tip };
                 tips.extend(found.into_iter().flatten().map(named));
             }
         }

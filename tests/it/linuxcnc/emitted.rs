@@ -12,6 +12,7 @@ use bladeplan::planning::program::moves::{Pose, Step, TapeProgram};
 use bladeplan::planning::program::nc::emit::emit;
 use bladeplan::planning::program::nc::read::read;
 use bladeplan::planning::program::number::rounded;
+use bladeplan::planning::tape::label::CourseLabel;
 use bladeplan::planning::tape::machine::{Catalogue, Machine, check, two_cutter_lab};
 use proptest::prelude::*;
 use serde_json::json;
@@ -42,6 +43,10 @@ fn digits(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     range.prop_map(|value| rounded(value, 4))
 }
 
+fn label() -> impl Strategy<Value = CourseLabel> {
+    (prop::option::of(1_u32..9), 1_u32..100).prop_map(|(ply, number)| CourseLabel { ply, number })
+}
+
 fn step() -> impl Strategy<Value = Step> {
     let lateral = proptest::array::uniform2(digits(-170.0..170.0));
     let blade = proptest::array::uniform2(digits(-360.0..360.0));
@@ -56,7 +61,7 @@ fn step() -> impl Strategy<Value = Step> {
         3 => (0_usize..2, any::<bool>()).prop_map(|(cutter, down)| Step::Knife { cutter, down }),
         1 => any::<bool>().prop_map(|on| Step::Ultrasonic { on }),
         2 => digits(0.001..10.0).prop_map(|seconds| Step::Dwell { seconds }),
-        1 => (1_u32..100, any::<bool>()).prop_map(|(number, restartable)| Step::Course { number, restartable }),
+        1 => (label(), any::<bool>()).prop_map(|(label, restartable)| Step::Course { label, restartable }),
         1 => Just(Step::OptionalStop),
     ]
 }

@@ -13,7 +13,12 @@ fn rule(angle_deg: f64, gap_mm: f64, offset_mm: f64) -> wire::Courses {
 /// Start and end of each course of a rule on a ply.
 fn laid(rule: wire::Courses, width: f64, outline: &Loop) -> Vec<[[f64; 2]; 2]> {
     let courses = generate(&rule, Length::from_mm(width), outline, &[]).unwrap();
-    assert!(courses.iter().enumerate().all(|(i, course)| course.number == i as u32 + 1 && course.index == i));
+    assert!(
+        courses
+            .iter()
+            .enumerate()
+            .all(|(i, course)| course.label.number == i as u32 + 1 && course.place.index == i)
+    );
     courses.iter().map(|course| [0, 1].map(|i| [course.points[i].x, course.points[i].y])).collect()
 }
 
