@@ -213,8 +213,18 @@ impl PieceSketch {
     /// `3`, or `3.2` for the second piece of a course with several; `2/3` for course 3 of ply 2.
     #[must_use]
     pub fn label(&self) -> String {
+        self.with_piece(self.course.short())
+    }
+
+    /// What a browser shows when the pointer rests on the piece: `course 3.2`, `course 3.2 of ply 2`.
+    #[must_use]
+    pub fn title(&self) -> String {
+        let of_ply = self.course.ply.map_or(String::new(), |ply| format!(" of ply {ply}"));
+        format!("course {}{of_ply}", self.with_piece(self.course.number.to_string()))
+    }
+
+    fn with_piece(&self, course: String) -> String {
         let (number, of) = self.number;
-        let course = self.course.short();
         if of > 1 { format!("{course}.{number}") } else { course }
     }
 

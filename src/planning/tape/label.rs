@@ -38,21 +38,56 @@ impl fmt::Display for CourseLabel {
     }
 }
 
+/// Which ply of a job; its `Display` is the JSON pointer below which its fields stand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct PlyPlace {
+    /// Its number, from 1 in laying order; none where the job has one ply only.
+    pub number: Option<u32>,
+    /// Its index, where the job lists plies.
+    pub index: Option<usize>,
+}
+
+impl PlyPlace {
+    /// The ply at an index of a list, of several or of one.
+    #[must_use]
+    pub fn listed(index: usize, several: bool) -> Self {
+        Self { number: several.then_some(index as u32 + 1), index: Some(index) }
+    }
+
+    /// What the course of that number is called.
+    #[must_use]
+    pub fn label(self, number: u32) -> CourseLabel {
+        CourseLabel { ply: self.number, number }
+    }
+
+    /// Where the course at an index stands.
+    #[must_use]
+    pub fn course(self, index: usize) -> CoursePlace {
+        CoursePlace { ply: self, index }
+    }
+}
+
+impl fmt::Display for PlyPlace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.index {
+            None => f.write_str("/input"),
+            Some(index) => write!(f, "/input/plies/{index}"),
+        }
+    }
+}
+
 /// Where a course stands in the job document; its `Display` is the JSON pointer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CoursePlace {
-    /// Index of its ply, where the job lists plies.
-    pub ply: Option<usize>,
+    /// Its ply.
+    pub ply: PlyPlace,
     /// Its index among the courses of its ply.
     pub index: usize,
 }
 
 impl fmt::Display for CoursePlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.ply {
-            None => write!(f, "/input/tracks/{}", self.index),
-            Some(ply) => write!(f, "/input/plies/{ply}/tracks/{}", self.index),
-        }
+        write!(f, "{}/tracks/{}", self.ply, self.index)
     }
 }
 
@@ -66,5 +101,15 @@ mod tests {
         assert_eq!((one.to_string(), one.short()), ("5".to_owned(), "5".to_owned()));
         assert_eq!((two.to_string(), two.short()), ("5 of ply 2".to_owned(), "2/5".to_owned()));
         assert_ne!(two, CourseLabel { ply: Some(1), number: 5 });
+        assert_eq!((PlyPlace::default().label(5), PlyPlace::listed(1, true).label(5)), (one, two));
+        assert_eq!(PlyPlace::listed(0, false).label(5), one);
+    }
+
+    #[test]
+    fn a_listed_ply_stands_at_its_place_even_if_it_is_the_only_one() {
+        let pointer = |ply: PlyPlace| ply.course(3).to_string();
+        assert_eq!(pointer(PlyPlace::default()), "/input/tracks/3");
+        assert_eq!(pointer(PlyPlace::listed(0, false)), "/input/plies/0/tracks/3");
+        assert_eq!(pointer(PlyPlace::listed(1, true)), "/input/plies/1/tracks/3");
     }
 }

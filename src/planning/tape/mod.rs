@@ -45,6 +45,7 @@ pub mod zone;
 
 use self::difference::difference;
 use self::input::TapeInput;
+use self::label::CourseLabel;
 use self::plan::TapePlan;
 use self::report::TapeReport;
 use self::trace::PlantedTrace;
@@ -62,7 +63,10 @@ use super::program::replay::{ReplayFigures, ReplaySetup, dry, replay};
 /// Name of the one program of a tape-cut job: what it is, with the ending of its dialect.
 #[must_use]
 pub fn program_name(input: &TapeInput) -> String {
-    let from = input.from_course.map_or(String::new(), |course| format!("-from-course-{}", course.number));
+    let from = input.from_course.map_or(String::new(), |CourseLabel { ply, number }| {
+        let ply = ply.map_or(String::new(), |ply| format!("-ply-{ply}"));
+        format!("-from{ply}-course-{number}")
+    });
     let dry = if input.dry_run { "-dry-run" } else { "" };
     format!("roll{from}{dry}.{}", language(input.machine.dialect).ending)
 }
@@ -103,7 +107,7 @@ fn take_over(
     catalogue: &machine::Catalogue,
 ) -> Result<TapeInput, Vec<Finding>> {
     let mut listed = file::listed(input, files);
-    let checked = input::check(&listed.input, catalogue);
+    let checked = input::check(input, &listed.plies, catalogue);
     let mut findings = std::mem::take(&mut listed.findings);
     let mut input = match checked {
         Ok(input) => input,

@@ -4,7 +4,7 @@ use super::assign::{RollChain, assign, passing, published};
 use super::block::{Block, Rule, Way};
 use super::chain::{Chain, split};
 use super::develop::{PlyInSpace, develop};
-use super::input::{Allocation, Course, OnExcess, TapeInput};
+use super::input::{Allocation, Course, OnExcess, Ply, TapeInput};
 use super::label::{CourseLabel, CoursePlace};
 use super::machine::{Cutter, Machine};
 use super::offset::{busy_mm, parted};
@@ -91,12 +91,7 @@ pub fn plan(
     findings: &mut Vec<Finding>,
 ) -> Result<TapePlan, Vec<Finding>> {
     budget.stage("develop and clip");
-    let mut courses = pieces_of_courses(input, budget, findings)?;
-    if courses.is_empty() {
-        let message = "no course touches the ply: see whether both are in one coordinate system, in mm";
-        return Err(vec![Finding::error(Code::NoCourseOnPly, "/input/tracks", message)]);
-    }
-    findings.extend(uncovered(&courses, input));
+    let mut courses = courses_of_plies(input, budget, findings)?;
     budget.stage("chains");
     findings.extend(assign_knives(&mut courses, input)?);
     budget.stage("roll");
@@ -106,29 +101,51 @@ pub fn plan(
     Ok(planned)
 }
 
+/// The courses of all plies in laying order. Each ply is looked at for itself.
+fn courses_of_plies(
+    input: &TapeInput,
+    budget: &Budget<'_>,
+    findings: &mut Vec<Finding>,
+) -> Result<Vec<PlannedCourse>, Vec<Finding>> {
+    let (mut courses, mut faults) = (Vec::new(), Vec::new());
+    for ply in &input.plies {
+        let of_ply = pieces_of_courses(ply, input, budget, findings)?;
+        if of_ply.is_empty() {
+            let message =
+                format!("no course touches {ply}: see whether both are in one coordinate system, in mm");
+            faults.push(Finding::error(Code::NoCourseOnPly, format!("{}/tracks", ply.place), message));
+        } else {
+            findings.extend(uncovered(&of_ply, ply));
+        }
+        courses.extend(of_ply);
+    }
+    if faults.is_empty() { Ok(courses) } else { Err(faults) }
+}
+
 /// Says how much of a flat ply its courses leave bare. Courses that overlap hide a part of it.
-fn uncovered(courses: &[PlannedCourse], input: &TapeInput) -> Option<Finding> {
-    let ply = flat_area(&input.boundary, &input.holes)?;
+fn uncovered(courses: &[PlannedCourse], ply: &Ply) -> Option<Finding> {
+    let area_mm2 = flat_area(&ply.boundary, &ply.holes)?;
     let covered: f64 = courses.iter().flat_map(|course| &course.pieces).map(|p| p.piece.area_mm2).sum();
-    if covered >= COVERED_SHARE * ply {
+    if covered >= COVERED_SHARE * area_mm2 {
         return None;
     }
     let message = format!(
-        "the courses cover {:.1} % of the ply at most; see whether a course is missing, or the tape's width is in mm",
-        covered / ply * 100.0
+        "the courses cover {:.1} % of {ply} at most; see whether a course is missing, or the tape's width is in mm",
+        covered / area_mm2 * 100.0
     );
-    Some(Finding::warning(Code::PlyNotCovered, "/input/tracks", message))
+    Some(Finding::warning(Code::PlyNotCovered, format!("{}/tracks", ply.place), message))
 }
 
 fn pieces_of_courses(
+    ply: &Ply,
     input: &TapeInput,
     budget: &Budget<'_>,
     findings: &mut Vec<Finding>,
 ) -> Result<Vec<PlannedCourse>, Vec<Finding>> {
     let mut courses = Vec::new();
-    let ply = PlyInSpace::new(&input.boundary, &input.holes);
-    for course in &input.courses {
-        let pieces = pieces_of(course, &ply, input, budget).map_err(|finding| vec![finding])?;
+    let in_space = PlyInSpace::new(&ply.boundary, &ply.holes);
+    for course in &ply.courses {
+        let pieces = pieces_of(course, &in_space, input, budget).map_err(|finding| vec![finding])?;
         if pieces.is_empty() {
             findings.push(Finding::info(
                 Code::CourseOffPly,

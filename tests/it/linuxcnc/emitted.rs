@@ -193,6 +193,21 @@ fn the_example_agrees_with_our_reader() {
 }
 
 #[test]
+fn every_roll_of_two_plies_agrees_with_our_reader() {
+    let agree = |(one, other): (Ply, Ply)| {
+        let planned =
+            plan_job(&one.job_with(&other), &json!("two-cutter-lab"), &json!({"allocation": "free"}));
+        planned.unwrap().programs.iter().try_for_each(|program| agrees(&program.text))
+    };
+    runner(10).run(&(plies(), plies()), agree).unwrap();
+    let example = job("examples/two-plies.job.json");
+    for options in [json!(null), json!({"allocation": "free", "from_ply": 2, "from_course": 3})] {
+        let planned = plan_job(&example, &json!("two-cutter-lab"), &options).unwrap();
+        agrees(&planned.programs[0].text).unwrap();
+    }
+}
+
+#[test]
 fn a_program_written_by_hand_agrees_with_our_reader() {
     agrees(&fixture("course")).unwrap();
 }

@@ -31,6 +31,9 @@ pub struct PlantedTrace {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TraceCourse {
+    /// The ply that it is of, from 1, where there are several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ply: Option<u32>,
     /// Its number.
     pub number: u32,
     /// Its points: x, y, z in mm and the mould's outward unit normal.
@@ -81,13 +84,14 @@ pub fn planted(plan: &TapePlan, strokes: &[Vec<Stroke>], input: &TapeInput) -> P
             let offset_mm = plan.figures.lead_mm + cutter.station.mm() - stroke.x_of_u0;
             trace_stroke(stroke, piece_at(course, offset_mm), cutter, &input.machine)
         });
-        TraceCourse { number: course.label.number, points: points(course, input), strokes: planted.collect() }
+        let CourseLabel { ply, number } = course.label;
+        TraceCourse { ply, number, points: points(course, input), strokes: planted.collect() }
     });
     PlantedTrace { courses: courses.collect() }
 }
 
 fn points(course: &PlannedCourse, input: &TapeInput) -> Vec<[f64; 6]> {
-    let traced = input.courses.get(course.place.index);
+    let traced = input.ply(course.place.ply).and_then(|ply| ply.courses.get(course.place.index));
     let pairs = traced.into_iter().flat_map(|traced| traced.points.iter().zip(&traced.normals));
     let place = |value: f64| rounded(value, PLACE_DECIMALS);
     pairs.map(|(at, n)| [at.x, at.y, at.z, n.x, n.y, n.z].map(place)).collect()
