@@ -18,7 +18,7 @@ use super::tape;
 pub fn validate(document: &JobDocument, files: &Files, catalogue: &Catalogue) -> Result<(), Vec<Finding>> {
     let mut faults = files.faults(&document.named_files);
     let checked = match &document.input {
-        JobInput::TapeCut(input) => tape::input::check(input, catalogue).map(|_| ()),
+        JobInput::TapeCut(input) => tape::input::check(input, &input.all_plies(), catalogue).map(|_| ()),
         JobInput::HoneycombCut(input) => honeycomb::validate_cut(input, catalogue),
         JobInput::HoneycombOptimum(input) => honeycomb::input::check_optimum(input).map(|_| ()),
         JobInput::HoneycombConvert(input) => honeycomb::conversion::validate(input, catalogue),

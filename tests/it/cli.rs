@@ -34,6 +34,7 @@ fn a_usable_job_ends_with_0_and_leaves_its_files() {
         "examples/first.job.json",
         "examples/wing-skin-trapezoid-45.job.json",
         "examples/rib-panel-dxf.job.json",
+        "examples/two-plies.job.json",
     ] {
         let (code, said) = plan(&project(job), folder.path());
         assert_eq!(code, 0, "{said}");
@@ -88,6 +89,34 @@ fn check_passes_what_was_planned_and_refuses_what_was_changed() {
     assert!(said.contains("roll.ngc:") && said.contains("differs_from_plan"), "{said}");
     fs::write(&program, "G21\nhello\n").unwrap();
     assert_eq!(check().status.code(), Some(3));
+}
+
+#[test]
+fn a_roll_of_several_plies_is_planned_from_a_course_on_and_checked() {
+    let folder = TempDir::new().unwrap();
+    let job = fs::read(project("examples/two-plies.job.json")).unwrap();
+    let mut job: serde_json::Value = serde_json::from_slice(&job).unwrap();
+    job["input"]["options"] = serde_json::json!({"from_course": 3});
+    let path = folder.path().join("job.json");
+    let out = folder.path().join("out");
+    fs::write(&path, job.to_string()).unwrap();
+    let (code, said) = plan(&path, &out);
+    assert_eq!(code, 2, "{said}");
+    assert!(said.contains("/input/options/from_ply") && !out.exists(), "{said}");
+    job["input"]["options"] = serde_json::json!({"from_course": 3, "from_ply": 2, "allocation": "free"});
+    fs::write(&path, job.to_string()).unwrap();
+    assert_eq!(plan(&path, &out).0, 0);
+    let program = out.join("roll-from-ply-2-course-3.ngc");
+    let check = || bladeplan(&["check", program.to_str().unwrap(), "--job", path.to_str().unwrap()]);
+    assert_eq!(check().status.code(), Some(0));
+    // The same course of the other ply is another program.
+    job["input"]["options"]["from_ply"] = serde_json::json!(1);
+    fs::write(&path, job.to_string()).unwrap();
+    let output = check();
+    assert_eq!(output.status.code(), Some(3));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("cut more often than it is wanted"), "{said}");
+    assert!(said.contains("with options.from_course 3 and options.from_ply 2"), "{said}");
 }
 
 /// A job in a folder of its own, whose outline is in a file of this name.

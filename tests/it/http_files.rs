@@ -108,6 +108,24 @@ fn plies_that_come_as_texts_or_as_a_drawing_are_planned() {
 }
 
 #[test]
+fn each_ply_of_a_roll_may_come_in_files_of_its_own() {
+    let served = Served::start(&[]);
+    let mut job = job_with_a_file("one.txt");
+    let boundary = job["input"].as_object_mut().unwrap().remove("boundary");
+    job["input"].as_object_mut().unwrap().retain(|name, _| name != "tracks" && name != "holes");
+    job["input"]["tape"]["width_mm"] = json!(75);
+    job["input"]["plies"] = json!([
+        {"name": "P1", "boundary": boundary, "courses": {"angle_deg": 0}},
+        {"name": "P2", "boundary": {"file": "two.dxf"}, "courses": {"angle_deg": 45}}]);
+    let one: (&str, &[u8]) = ("one.txt", b"0 0 0\r\n0 150 0\r\n400 150 0\r\n400 0 0");
+    let lacking = problem(served.post_form(form(&bytes(&job), &[one])).send().unwrap());
+    assert_eq!((lacking.0, lacking.2[0].1.as_str()), (422, "/input/plies/1/boundary/file"));
+    let both: Sent = &[one, ("two.dxf", DRAWING.as_bytes())];
+    let job = served.ended(&id_of(served.post_form(form(&bytes(&job), both)).send().unwrap()));
+    assert_eq!((&job["state"], &job["verdict"]), (&json!("succeeded"), &json!("usable")), "{job}");
+}
+
+#[test]
 fn what_is_not_there_is_said() {
     let served = Served::start(&["--workers", "0"]);
     let form = form(&bytes(&job_with_a_file("b.txt")), &[("b.txt", OUTLINE)]);

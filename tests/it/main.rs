@@ -32,6 +32,7 @@ mod mutation;
 mod nc_refused;
 mod oddities;
 mod oracles;
+mod plies;
 mod profiles;
 mod random_plies;
 mod refused;

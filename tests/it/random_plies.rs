@@ -113,6 +113,17 @@ impl Ply {
             "machine": "two-cutter-lab"}})
     }
 
+    /// The job of this ply and another one, of tape as wide as this one's, on one roll.
+    pub fn job_with(&self, other: &Self) -> Value {
+        let fields = |ply: &Self| json!({"boundary": {"points": ply.outline()}, "holes": ply.holes(), "tracks": ply.tracks()});
+        let mut job = self.job();
+        let input = job["input"].as_object_mut().unwrap();
+        input.retain(|name, _| name == "tape" || name == "machine");
+        let other = Self { width: self.width, ..other.clone() };
+        input.insert("plies".to_owned(), json!([fields(self), fields(&other)]));
+        job
+    }
+
     /// Plans its job.
     pub fn plan(&self) -> Outcome {
         self.plan_with(json!({}))

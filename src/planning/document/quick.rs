@@ -83,18 +83,31 @@ mod tests {
             "machine": "two-cutter-lab", "options": {"tolerance_mm": 0.02}}})
     }
 
+    /// The ply of that document twice in a list.
+    fn of_two_plies() -> Value {
+        let mut value = document();
+        let input = value["input"].as_object_mut().unwrap();
+        let fields =
+            ["boundary", "holes", "tracks"].map(|name| (name.to_owned(), input.remove(name).unwrap()));
+        let ply = Value::Object(fields.into_iter().collect());
+        input.insert("plies".to_owned(), json!([ply, ply]));
+        value["input"]["plies"][1]["name"] = json!("second");
+        value
+    }
+
     #[test]
     fn a_document_without_fault_is_read_as_the_long_way_reads_it() {
-        let value = document();
-        let quick = read(value.to_string().as_bytes()).unwrap();
-        let long = from_value(value).unwrap();
-        assert_eq!(serde_json::to_value(&quick).unwrap(), serde_json::to_value(&long).unwrap());
-        assert_eq!(quick.named_files, long.named_files);
+        for value in [document(), of_two_plies()] {
+            let quick = read(value.to_string().as_bytes()).unwrap();
+            let long = from_value(value).unwrap();
+            assert_eq!(serde_json::to_value(&quick).unwrap(), serde_json::to_value(&long).unwrap());
+            assert_eq!(quick.named_files, long.named_files);
+        }
     }
 
     #[test]
     fn whatever_has_a_fault_takes_the_long_way() {
-        let changes: [(&str, Value); 14] = [
+        let changes: [(&str, Value); 15] = [
             ("/kind", json!("honeycomb-cut")),
             ("/name", json!("n".repeat(300))),
             ("/references/part", json!(7)),
@@ -109,9 +122,19 @@ mod tests {
             ("/input/machine", json!(7)),
             ("/input/options", json!({"colour": 1})),
             ("/input/options/tolerance_mm", json!(0.0)),
+            ("/input/options", json!({"from_ply": 0})),
         ];
-        for (at, change) in changes {
-            let mut value = document();
+        let of_plies: [(&str, Value); 6] = [
+            ("/input/plies", json!([])),
+            ("/input/plies/1/name", json!("n".repeat(65))),
+            ("/input/plies/1/boundary/points/1/0", json!(1e9)),
+            ("/input/plies/1/holes/0/file", json!("../x")),
+            ("/input/plies/0/tracks", json!([])),
+            ("/input/plies/1/tracks/0/points/0/position/2", json!(-2e5)),
+        ];
+        let changes = changes.into_iter().map(|change| (document(), change));
+        let of_plies = of_plies.into_iter().map(|change| (of_two_plies(), change));
+        for (mut value, (at, change)) in changes.chain(of_plies) {
             *value.pointer_mut(at).unwrap() = change;
             let text = value.to_string();
             assert!(read(text.as_bytes()).is_none(), "{at}");

@@ -12,6 +12,7 @@ use crate::planning::outcome::Drawing;
 use crate::planning::tape::input::check;
 use crate::planning::tape::machine::{Catalogue, two_cutter_lab};
 use crate::planning::tape::plan::plan;
+use crate::planning::tape::wire::TapeCut;
 
 /// A course with a zigzag at its end that three knives would be needed for, and one with a straight end.
 fn job(options: Value, overcut_mm: f64) -> Value {
@@ -32,7 +33,8 @@ fn job(options: Value, overcut_mm: f64) -> Value {
 }
 
 fn drawn(job: Value) -> Vec<Drawing> {
-    let input = check(&serde_json::from_value(job).unwrap(), &Catalogue::built_in()).unwrap();
+    let job: TapeCut = serde_json::from_value(job).unwrap();
+    let input = check(&job, &job.all_plies(), &Catalogue::built_in()).unwrap();
     let plan = plan(&input, &Budget::unwatched(), &mut Vec::new()).unwrap();
     drawings(&plan, &input)
 }

@@ -8,7 +8,7 @@ use super::View;
 use super::label::{Labels, baseline};
 use super::sheet::{
     EDGE_POINT_MM, Heading, INNER_MM, MARGIN_MM, SMALL_MM, Sample, TEXT_MM, WIDTH_MM, draw_arrow,
-    draw_heading, draw_legend, draw_scale_bar, plain, scale_denominator, scale_text, text_width,
+    draw_heading, draw_legend, draw_scale_bar, plain, plies_words, scale_denominator, scale_text, text_width,
 };
 use super::sketch::{CutSketch, EdgePoint, PieceSketch, pieces};
 use super::svg::{Anchor, Spot, Svg, spot};
@@ -102,11 +102,13 @@ impl<'a> Pieces<'a> {
         let area: f64 = self.pieces.iter().map(|piece| piece.area_mm2).sum();
         Heading {
             title: format!("Pieces: {} in laying order", self.pieces.len()),
-            lines: vec![format!(
+            lines: std::iter::once(format!(
                 "Tape {} mm wide. Pieces together {} m². All numbers in mm; u runs along the course from its start.",
                 plain(self.input.width.mm()),
                 square_metres(area)
-            )],
+            ))
+            .chain(plies_words(self.input))
+            .collect(),
         }
     }
 
@@ -147,7 +149,7 @@ impl<'a> Pieces<'a> {
             if x > MARGIN_MM && x + card.width > WIDTH_MM - MARGIN_MM {
                 (x, y, row_height) = (MARGIN_MM, y + row_height, 0.0);
             }
-            let title = format!("course {}", piece.label());
+            let title = piece.title();
             svg.group("card", &title, |svg| self.draw_card(svg, &card, (x, y), view));
             x += card.width + GAP_MM;
             row_height = row_height.max(card.height);

@@ -7,8 +7,8 @@ use super::View;
 use super::label::{Labels, baseline};
 use super::sheet::{
     DOT_MM, Heading, INNER_MM, MARGIN_MM, NUMBER_MM, SMALL_MM, Sample, TEXT_MM, TITLE_MM, WIDTH_MM,
-    draw_arrow, draw_heading, draw_knife, draw_legend, draw_scale_bar, plain, round_step, scale_denominator,
-    text_width, view_words,
+    draw_arrow, draw_heading, draw_knife, draw_legend, draw_scale_bar, plain, plies_words, round_step,
+    scale_denominator, text_width, view_words,
 };
 use super::sketch::{KnifeMark, KnifeWork, PieceSketch, knife_work, pieces};
 use super::svg::{Anchor, Spot, Svg, spot};
@@ -114,7 +114,7 @@ impl<'a> RollSheet<'a> {
                 fixed(figures.tape_used_mm, 1),
                 self.pieces.len()
             ),
-            lines: vec![
+            lines: [
                 format!(
                     "Tape {} mm wide. Pieces {} m², scrap {} m²: {} % of the tape used is in pieces; {} % if all outlines touched.",
                     plain(self.input.width.mm()),
@@ -129,7 +129,10 @@ impl<'a> RollSheet<'a> {
                     plain(figures.lead_mm),
                     stations.join(", ")
                 ),
-            ],
+            ]
+            .into_iter()
+            .chain(plies_words(self.input))
+            .collect(),
         }
     }
 
@@ -340,7 +343,7 @@ fn on_roll(piece: &PieceSketch) -> (f64, f64) {
 
 fn area_title(piece: &PieceSketch) -> String {
     let (low, high) = on_roll(piece);
-    format!("course {}, r {} to {} mm", piece.label(), fixed(low, 2), fixed(high, 2))
+    format!("{}, r {} to {} mm", piece.title(), fixed(low, 2), fixed(high, 2))
 }
 
 /// The number of a course in the middle of what the row shows of its piece, as large as there is room for it.

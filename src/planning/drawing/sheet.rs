@@ -74,6 +74,12 @@ pub fn scale_text(denominator: f64) -> String {
     }
 }
 
+/// How courses are named on the sheet of a roll that holds several plies.
+pub fn plies_words(input: &TapeInput) -> Option<String> {
+    let plies = input.plies.len();
+    (plies > 1).then(|| format!("{plies} plies on one roll: 2/5 is course 5 of ply 2."))
+}
+
 /// A number for people: at most three decimals, no zeros after them.
 #[must_use]
 pub fn plain(value: f64) -> String {

@@ -7,6 +7,7 @@ use crate::planning::geometry::simplify::kept;
 use crate::planning::program::number::fixed;
 use crate::planning::tape::chain::{Chain, Slope};
 use crate::planning::tape::input::TapeInput;
+use crate::planning::tape::label::CourseLabel;
 use crate::planning::tape::machine::CutSide;
 use crate::planning::tape::overcut::extend;
 use crate::planning::tape::piece::{Piece, Side};
@@ -16,8 +17,8 @@ use crate::planning::tape::stroke::{Knot, Stroke};
 /// A piece as it is drawn, in the (u, v) of its course in mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PieceSketch {
-    /// Number of its course.
-    pub course: u32,
+    /// What its course is called.
+    pub course: CourseLabel,
     /// Which piece of its course it is, from 1 in laying direction, and of how many.
     pub number: (usize, usize),
     /// r - u in mm.
@@ -101,7 +102,7 @@ fn piece(
         points: thinned(&chain.points, thin_mm),
     };
     PieceSketch {
-        course: course.number,
+        course: course.label,
         number: (index + 1, course.pieces.len()),
         offset_mm: planned.offset_mm,
         u: planned.piece.u_range(),
@@ -209,11 +210,22 @@ pub fn knife_work(plan: &TapePlan, input: &TapeInput) -> KnifeWork {
 }
 
 impl PieceSketch {
-    /// `3`, or `3.2` for the second piece of a course with several.
+    /// `3`, or `3.2` for the second piece of a course with several; `2/3` for course 3 of ply 2.
     #[must_use]
     pub fn label(&self) -> String {
+        self.with_piece(self.course.short())
+    }
+
+    /// What a browser shows when the pointer rests on the piece: `course 3.2`, `course 3.2 of ply 2`.
+    #[must_use]
+    pub fn title(&self) -> String {
+        let of_ply = self.course.ply.map_or(String::new(), |ply| format!(" of ply {ply}"));
+        format!("course {}{of_ply}", self.with_piece(self.course.number.to_string()))
+    }
+
+    fn with_piece(&self, course: String) -> String {
         let (number, of) = self.number;
-        if of > 1 { format!("{}.{number}", self.course) } else { self.course.to_string() }
+        if of > 1 { format!("{course}.{number}") } else { course }
     }
 
     /// The longest stretch of u, between `low` and `high`, in which the piece is crossed by a line along the tape:

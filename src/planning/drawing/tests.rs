@@ -13,6 +13,7 @@ use crate::planning::tape::chain::Chain;
 use crate::planning::tape::input::{TapeInput, check};
 use crate::planning::tape::machine::Catalogue;
 use crate::planning::tape::plan::{PlannedCourse, PlannedPiece, TapePlan, plan};
+use crate::planning::tape::wire::TapeCut;
 
 /// A flat ply of courses along x, one tape width apart, from a list of outline points.
 fn job(width: f64, courses: usize, boundary: &[[f64; 2]], holes: &[Vec<[f64; 2]>]) -> Value {
@@ -33,7 +34,8 @@ fn job(width: f64, courses: usize, boundary: &[[f64; 2]], holes: &[Vec<[f64; 2]>
 }
 
 fn planned(job: Value) -> (TapePlan, TapeInput) {
-    let input = check(&serde_json::from_value(job).unwrap(), &Catalogue::built_in()).unwrap();
+    let job: TapeCut = serde_json::from_value(job).unwrap();
+    let input = check(&job, &job.all_plies(), &Catalogue::built_in()).unwrap();
     let plan = plan(&input, &Budget::unwatched(), &mut Vec::new()).unwrap();
     (plan, input)
 }
@@ -417,7 +419,7 @@ fn a_ply_of_very_many_points_gives_a_small_drawing() {
     // An edge that is as rough as a knife does not follow: 0.005 mm to and fro, 10 points a mm.
     let rough = |i: i32| Point3::new(4000.0 - f64::from(i) * 0.1, 150.0 + f64::from(i % 2) * 0.005, 0.0);
     let corners = [Point3::origin(), Point3::new(4000.0, 0.0, 0.0)];
-    input.boundary = corners.into_iter().chain((0..39_999).map(rough)).collect();
+    input.plies[0].boundary = corners.into_iter().chain((0..39_999).map(rough)).collect();
     let plan = plan(&input, &Budget::unwatched(), &mut Vec::new()).unwrap();
     let points: usize =
         in_laying_order(&plan).flat_map(|(_, p)| &p.chains).map(|(c, _)| c.points.len()).sum();

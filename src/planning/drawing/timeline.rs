@@ -9,6 +9,7 @@ use super::svg::{Anchor, Path, Spot, Svg, spot};
 use crate::planning::geometry::Point2;
 use crate::planning::outcome::Drawing;
 use crate::planning::program::moves::{Pose, Step, TapeProgram};
+use crate::planning::tape::label::CourseLabel;
 use crate::planning::tape::machine::Machine;
 
 /// Height of the charts of tape, carriages and blades.
@@ -67,8 +68,8 @@ struct Curves {
     feed: Vec<Point2>,
     lateral: Vec<Vec<Point2>>,
     blade: Vec<Vec<Point2>>,
-    /// Number and place of each course's beginning.
-    courses: Vec<(u32, Point2)>,
+    /// Name and place of each course's beginning.
+    courses: Vec<(CourseLabel, Point2)>,
     /// From when to when each knife is down, and then the generator on, with their names.
     bars: Vec<(String, Vec<[f64; 2]>)>,
 }
@@ -103,8 +104,8 @@ impl Curves {
                 Step::Knife { .. } | Step::Ultrasonic { .. } if program.dry => {}
                 Step::Knife { cutter, down } => curves.switch(&mut open, cutter, down, end),
                 Step::Ultrasonic { on } => curves.switch(&mut open, cutters, on, end),
-                Step::Course { number, .. } => {
-                    curves.courses.push((number, Point2::new(end, pose.feed_mm)));
+                Step::Course { label, .. } => {
+                    curves.courses.push((label, Point2::new(end, pose.feed_mm)));
                 }
                 Step::Dwell { .. } | Step::OptionalStop => {}
             }
@@ -151,12 +152,12 @@ fn draw_panel(svg: &mut Svg, chart: &Chart, lines: &[Vec<Point2>]) {
 }
 
 /// Marks where courses begin; numbers that would touch are left out.
-fn draw_courses(svg: &mut Svg, chart: &Chart, courses: &[(u32, Point2)]) {
+fn draw_courses(svg: &mut Svg, chart: &Chart, courses: &[(CourseLabel, Point2)]) {
     let mut free = f64::NEG_INFINITY;
-    for (number, place) in courses {
+    for (label, place) in courses {
         let Some(at) = chart.draw_mark(svg, Mark::Diamond, "ink-3", place) else { continue };
         if at.x > free {
-            svg.text("number halo", spot(at.x, at.y - 1.8), Anchor::Middle, &number.to_string());
+            svg.text("number halo", spot(at.x, at.y - 1.8), Anchor::Middle, &label.short());
             free = at.x + LEFT_MM;
         }
     }

@@ -6,6 +6,7 @@ use super::sheet::{INNER_MM, MARGIN_MM, SMALL_MM, Sample, cut_class, figure};
 use super::svg::{Anchor, Path, Spot, Svg, spot};
 use crate::planning::geometry::Vector2;
 use crate::planning::outcome::Drawing;
+use crate::planning::tape::label::CourseLabel;
 use crate::planning::tape::tips::{Tip, TipKind};
 
 /// The most tips on a sheet; those with the largest misses are shown.
@@ -74,8 +75,9 @@ fn draw(svg: &mut Svg, tip: &Tip, corner: Spot) {
         draw_leg(svg, &cut_class(1), from, tip.ways[1], corner);
     }
     let [u, v] = tip.at_uv.map(|value| figure(value, 1));
+    let course = CourseLabel { ply: tip.ply, number: tip.course }.short();
     let words = [
-        format!("course {}.{}, \"{}\" at u {u}, v {v}", tip.course, tip.piece, kind(tip.kind)),
+        format!("course {course}.{}, \"{}\" at u {u}, v {v}", tip.piece, kind(tip.kind)),
         format!(
             "dU {} mm, dV {} mm, together {}",
             figure(tip.feed_mismatch_mm, 3),

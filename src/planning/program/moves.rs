@@ -1,5 +1,7 @@
 //! The neutral form of a tape-cutting program: what the axes, knives and clocks do, one after the other.
 
+use crate::planning::tape::label::CourseLabel;
+
 /// Where every axis of a tape cutter stands. Entries of a cutter that the machine does not have stay 0.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pose {
@@ -40,8 +42,8 @@ pub enum Step {
     },
     /// The cuts of a course begin here. A program can be restarted here if no knife is down.
     Course {
-        /// Its number.
-        number: u32,
+        /// What it is called.
+        label: CourseLabel,
         /// Whether no knife is down.
         restartable: bool,
     },

@@ -8,15 +8,16 @@ use std::cmp::Ordering;
 
 use crate::planning::finding::{Code, Finding};
 use crate::planning::tape::chain::{Chain, Slope};
+use crate::planning::tape::label::{CourseLabel, CoursePlace};
 use crate::planning::tolerance::ONE_PLACE_MM;
 
 /// A chain on the roll.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RollChain {
-    /// Number of its course.
-    pub course: u32,
+    /// What its course is called.
+    pub course: CourseLabel,
     /// The course's place in the job document, for findings.
-    pub course_index: usize,
+    pub place: CoursePlace,
     /// Smallest and largest roll coordinate in mm.
     pub range: (f64, f64),
     /// r - u of its piece in mm.
@@ -68,7 +69,7 @@ fn general_rule(chain: &RollChain, given: usize) -> Finding {
         given + 1,
         chain.published + 1
     );
-    Finding::info(Code::GeneralRule, format!("/input/tracks/{}", chain.course_index), message)
+    Finding::info(Code::GeneralRule, chain.place.to_string(), message)
 }
 
 /// The chains in the order in which they pass the knives: larger r first.
@@ -163,7 +164,7 @@ fn too_many(chain: &RollChain, range: (f64, f64), count: usize, knives: usize) -
         range.1 - chain.offset_mm,
         if knives == 1 { "knife" } else { "knives" },
     );
-    Finding::error(Code::TooManyKnives, format!("/input/tracks/{}", chain.course_index), message)
+    Finding::error(Code::TooManyKnives, chain.place.to_string(), message)
 }
 
 /// One way of giving the chains so far to knives.
@@ -257,7 +258,14 @@ mod tests {
     use proptest::prelude::*;
 
     fn chain(low: f64, high: f64, published: usize, covered: bool) -> RollChain {
-        RollChain { course: 7, course_index: 0, range: (low, high), offset_mm: 0.0, published, covered }
+        RollChain {
+            course: 7.into(),
+            place: CoursePlace::default(),
+            range: (low, high),
+            offset_mm: 0.0,
+            published,
+            covered,
+        }
     }
 
     #[test]

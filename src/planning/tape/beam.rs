@@ -5,6 +5,7 @@
 //! a place where it goes down at once, must be where it is; the other one gets out of its way, to where it is
 //! parked if that is farther. Where it cannot, that is a conflict.
 
+use super::label::CourseLabel;
 use super::machine::Machine;
 use super::stroke::{DECIMALS, Stroke};
 use crate::planning::finding::{Code, Finding};
@@ -33,12 +34,12 @@ pub struct Conflict {
     pub x: (f64, f64),
     /// Index of the cutter that must be there.
     pub cutter: usize,
-    /// Number of its course.
-    pub course: u32,
+    /// What its course is called.
+    pub course: CourseLabel,
     /// Reading of the tape axis with the knife over u = 0 of its piece.
     x_of_u0: f64,
     /// The course of the other knife, if it must be where it is too; else it has no room to get out of the way.
-    pub other: Option<u32>,
+    pub other: Option<CourseLabel>,
     /// How much is lacking at most.
     pub short_mm: f64,
 }
@@ -235,7 +236,7 @@ mod tests {
     fn what_goes_on_is_one_conflict() {
         let stroke = |x: f64| {
             let knot = super::super::stroke::Knot { x, v: 0.0, blade_deg: 0.0 };
-            Stroke { course: 7, x_of_u0: 100.0, knots: vec![knot; 2] }
+            Stroke { course: 7.into(), x_of_u0: 100.0, knots: vec![knot; 2] }
         };
         let (one, other) = (stroke(0.0), stroke(5.0));
         let tasks = [&one, &other].map(|stroke| Task { stroke: Some(stroke), bound: true });

@@ -6,6 +6,7 @@
 //! tape begins where the ply does. They are laid toward +V, each from its smallest u to its largest.
 
 use super::input::Course;
+use super::label::PlyPlace;
 use super::outline::{Loop, Plane};
 use super::wire::{self, MOST_LOOPS};
 use crate::planning::finding::{Code, Finding};
@@ -13,9 +14,6 @@ use crate::planning::geometry::polygon::edges;
 use crate::planning::geometry::{Point2, Point3, Vector3};
 use crate::planning::tolerance::{STRIP_EDGE_MM, UPRIGHT_COSINE};
 use crate::planning::units::Length;
-
-/// JSON pointer of the rule.
-const AT: &str = "/input/courses";
 
 /// Tapes advance by this share of their width at least. Where they overlapped by more, three would lie on each other.
 const LEAST_PITCH: f64 = 0.5;
@@ -30,12 +28,14 @@ const LEAST_PITCH: f64 = 0.5;
 pub fn generate(
     rule: &wire::Courses,
     width: Length,
+    ply: PlyPlace,
     boundary: &Loop,
     holes: &[Loop],
 ) -> Result<Vec<Course>, Finding> {
-    let frame = Frame::of(rule, boundary, holes)?;
+    let at = format!("{ply}/courses");
+    let frame = Frame::of(rule, &at, boundary, holes)?;
     let outline: Vec<Point2> = boundary.iter().map(|point| frame.flatten(point)).collect();
-    let strips = strips(rule, width.mm(), &outline)?;
+    let strips = strips(rule, &at, width.mm(), &outline)?;
     let extents = extents(&outline, &strips);
     let drawn = strips.low.iter().zip(extents).filter(|(_, (first, last))| first < last);
     Ok(drawn
@@ -43,8 +43,8 @@ pub fn generate(
         .map(|(index, (low, (first, last)))| {
             let v = low + strips.width / 2.0;
             Course {
-                number: index as u32 + 1,
-                index,
+                label: ply.label(index as u32 + 1),
+                place: ply.course(index),
                 points: [first, last].map(|u| frame.place(u, v)).to_vec(),
                 normals: vec![frame.normal; 2],
             }
@@ -61,17 +61,17 @@ struct Frame {
 }
 
 impl Frame {
-    fn of(rule: &wire::Courses, boundary: &Loop, holes: &[Loop]) -> Result<Self, Finding> {
+    fn of(rule: &wire::Courses, at: &str, boundary: &Loop, holes: &[Loop]) -> Result<Self, Finding> {
         let flat = Plane::of(boundary)
             .filter(|plane| plane.holds(boundary) && holes.iter().all(|hole| plane.holds(hole)));
         let Some(plane) = flat else {
             let message = "courses are generated for flat plies only, and this one is not: send tracks";
-            return Err(Finding::error(Code::NotFlat, AT, message));
+            return Err(Finding::error(Code::NotFlat, at, message));
         };
         if plane.normal.z.abs() < UPRIGHT_COSINE {
             let message =
                 "the ply stands upright, so that neither of its sides is the upper one: send tracks";
-            return Err(Finding::error(Code::NotFlat, AT, message));
+            return Err(Finding::error(Code::NotFlat, at, message));
         }
         let normal = plane.normal * plane.normal.z.signum();
         let x = (Vector3::x() - normal * normal.x).normalize();
@@ -98,7 +98,7 @@ struct Strips {
 }
 
 /// The strips that a ply lies in. Where tapes overlap, none is laid that adds nothing.
-fn strips(rule: &wire::Courses, width: f64, outline: &[Point2]) -> Result<Strips, Finding> {
+fn strips(rule: &wire::Courses, at: &str, width: f64, outline: &[Point2]) -> Result<Strips, Finding> {
     let across = outline.iter().map(|point| point.y);
     let (least, most) =
         across.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
@@ -110,7 +110,7 @@ fn strips(rule: &wire::Courses, width: f64, outline: &[Point2]) -> Result<Strips
             rule.gap_mm,
             most - least
         );
-        return Err(Finding::error(Code::OutOfRange, format!("{AT}/gap_mm"), message));
+        return Err(Finding::error(Code::OutOfRange, format!("{at}/gap_mm"), message));
     }
     let datum = least + rule.offset_mm;
     // The last strip that begins no later than the ply.

@@ -387,6 +387,7 @@ impl Station {
 
 #[cfg(test)]
 mod tests {
+    use super::super::label::CoursePlace;
     use super::*;
     use proptest::prelude::*;
 
@@ -405,8 +406,8 @@ mod tests {
             let index = index % at.len();
             let value = |x: f64| coefficients.iter().rev().fold(0.0, |sum, c| (sum + c) * (x - at[index]) / 10.0);
             let course = Course {
-                number: 1,
-                index: 0,
+                label: 1.into(),
+                place: CoursePlace::default(),
                 points: at.iter().map(|&x| Point3::new(x, value(x), 0.0)).collect(),
                 normals: at.iter().map(|&x| Vector3::new(0.0, 2.0 * value(x), 1.0)).collect(),
             };
@@ -425,7 +426,10 @@ mod tests {
             (Point3::new(900.0 * cos, 900.0 * sin, t / 2.0_f64.sqrt()), Vector3::new(cos, sin, 0.0))
         };
         let (points, normals) = (0..40).map(|i| onto(f64::from(i) * 20.0)).unzip();
-        let curve = Curve::through(&Course { number: 1, index: 0, points, normals }, 100.0);
+        let curve = Curve::through(
+            &Course { label: 1.into(), place: CoursePlace::default(), points, normals },
+            100.0,
+        );
         let mut part = 0;
         let (station, bend) = curve.at(333.0, &mut part);
         let (advanced, there) = (station.advanced(&bend, 1e-3), curve.at(333.001, &mut part).0);

@@ -219,8 +219,8 @@ const END_COSINE: f64 = 0.1;
 fn refuse(course: &Course, point: usize, message: &str) -> Finding {
     Finding::error(
         Code::BadCourse,
-        format!("/input/tracks/{}/points/{point}", course.index),
-        format!("course {}: {message}", course.number),
+        format!("{}/points/{point}", course.place),
+        format!("course {}: {message}", course.label),
     )
 }
 
@@ -363,13 +363,14 @@ fn place(station: &Station, bend: &Bend, point: &Point3) -> Point2 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::label::CoursePlace;
     use super::super::piece::within_strip;
     use super::*;
 
     fn course(points: &[[f64; 3]], normal: [f64; 3]) -> Course {
         Course {
-            number: 1,
-            index: 0,
+            label: 1.into(),
+            place: CoursePlace::default(),
             points: points.iter().map(|&p| Point3::from(p)).collect(),
             normals: vec![Vector3::from(normal); points.len()],
         }
@@ -425,7 +426,7 @@ mod tests {
                 let at = |u: f64| onto(u * cos - offset * sin, u * sin + offset * cos);
                 let stations = (0..=120).map(|i| f64::from(i) * 15.0 - 900.0);
                 let (points, normals) = stations.map(at).unzip();
-                let course = Course { number: 1, index: 0, points, normals };
+                let course = Course { label: 1.into(), place: CoursePlace::default(), points, normals };
                 let near = develop(&course, &ply, CutSide::Film, 100.0).unwrap();
                 let all = |points: &[Point3]| -> DevelopedLoop {
                     let places = match Flat::of(&course, points.iter()) {
@@ -480,8 +481,8 @@ mod tests {
             let stations: Vec<f64> =
                 (0..).map(|i| f64::from(i) * 10.0).take_while(|s| *s < length).chain([length]).collect();
             let course = Course {
-                number: 1,
-                index: 0,
+                label: 1.into(),
+                place: CoursePlace::default(),
                 points: stations.iter().map(|&s| rounded(at(s, 0.0).0)).collect(),
                 normals: stations.iter().map(|&s| at(s, 0.0).1.map(|x| (x * 1e9).round() / 1e9)).collect(),
             };
@@ -563,7 +564,12 @@ mod tests {
     fn the_other_side_of_a_tube_is_another_part_of_the_mould() {
         let onto = cylinder(100.0);
         let points: Vec<Point3> = (0..=60).map(|i| onto(f64::from(i) * 10.0, 0.0).0).collect();
-        let course = Course { number: 1, index: 0, normals: vec![Vector3::z(); points.len()], points };
+        let course = Course {
+            label: 1.into(),
+            place: CoursePlace::default(),
+            normals: vec![Vector3::z(); points.len()],
+            points,
+        };
         let opposite = onto(300.0, 100.0 * std::f64::consts::PI).0;
         let beside = onto(300.0, 20.0).0;
         let found = developed(&course, &[beside, opposite], CutSide::Film, 75.0).unwrap();

@@ -26,7 +26,7 @@ pub(super) fn difference(name: &str, text: &str, planned: &str) -> Option<Findin
 struct Header {
     dry: bool,
     /// The course with which a program begins that goes on within a roll.
-    from_course: Option<String>,
+    from_course: Option<First>,
 }
 
 impl Header {
@@ -37,13 +37,41 @@ impl Header {
     }
 }
 
-/// The number of the first course of a text, as it stands there.
-fn first_course(text: &str) -> String {
-    let number = |line: &str| {
+/// What the first course of a text is called there.
+fn first_course(text: &str) -> First {
+    let number = |rest: &str| Some(digits(rest)).filter(|number| !number.is_empty());
+    let course = |line: &str| {
         let (_, rest) = line.split_once("COURSE ")?;
-        Some(rest.chars().take_while(char::is_ascii_digit).take(7).collect::<String>())
+        let course = number(rest)?;
+        let ply = rest[course.len()..].strip_prefix(" OF PLY ").and_then(number);
+        Some(First { course, ply })
     };
-    text.lines().find_map(number).filter(|number| !number.is_empty()).unwrap_or_else(|| "?".to_owned())
+    text.lines().find_map(course).unwrap_or_else(|| First { course: "?".to_owned(), ply: None })
+}
+
+/// The digits at the beginning of a text.
+fn digits(text: &str) -> String {
+    text.chars().take_while(char::is_ascii_digit).take(7).collect()
+}
+
+/// The number of a course as it stands in a text, and that of its ply where there are several.
+#[derive(PartialEq)]
+struct First {
+    course: String,
+    ply: Option<String>,
+}
+
+impl First {
+    fn name(&self) -> String {
+        let ply = self.ply.as_ref().map_or(String::new(), |ply| format!(" of ply {ply}"));
+        format!("{}{ply}", self.course)
+    }
+
+    /// The options of a job whose program begins with it.
+    fn options(&self) -> String {
+        let ply = self.ply.as_ref().map_or(String::new(), |ply| format!(" and options.from_ply {ply}"));
+        format!("options.from_course {}{ply}", self.course)
+    }
 }
 
 fn hints(checked: &Header, planned: &Header) -> Vec<String> {
@@ -59,11 +87,14 @@ fn hints(checked: &Header, planned: &Header) -> Vec<String> {
         _ => None,
     };
     let course = match (&checked.from_course, &planned.from_course) {
-        (Some(number), other) if other.as_ref() != Some(number) => Some(format!(
-            "Its header says that it goes on within a roll, from course {number}: check it against this job with options.from_course {number}"
+        (Some(first), other) if other.as_ref() != Some(first) => Some(format!(
+            "Its header says that it goes on within a roll, from course {}: check it against this job with {}",
+            first.name(),
+            first.options()
         )),
-        (None, Some(number)) => Some(format!(
-            "The job asks for a program from course {number} on, and this one begins with the roll: check it against this job without options.from_course"
+        (None, Some(first)) => Some(format!(
+            "The job asks for a program from course {} on, and this one begins with the roll: check it against this job without options.from_course",
+            first.name()
         )),
         _ => None,
     };
@@ -94,6 +125,10 @@ mod tests {
         assert!(said(&other, LATE).contains("with options.from_course 12"));
         let ordinary = said(&WHOLE.replace("G21", "G20"), WHOLE);
         assert!(ordinary.ends_with("may be approved"), "an ordinary difference has no hint: {ordinary}");
+        let [second, third] = [2, 3].map(|ply| LATE.replace("COURSE 7", &format!("COURSE 7 OF PLY {ply}")));
+        assert!(said(&second, LATE).contains("with options.from_course 7 and options.from_ply 2"));
+        assert!(said(&second, &third).contains("from course 7 of ply 2: check"));
+        assert!(said(WHOLE, &third).contains("from course 7 of ply 3 on"));
         let late_words = format!("{WHOLE}{}(DRY RUN)\n", "\n".repeat(HEADER_LINES));
         assert!(!said(&late_words, WHOLE).contains("DRY"), "words behind the header are no header");
     }

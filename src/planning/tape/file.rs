@@ -12,15 +12,16 @@ use std::borrow::Cow;
 use self::dxf::Wanted;
 use self::origin::{Origin, Origins};
 use self::text::{ReadLoop, ReadTrack};
-use super::wire;
+use super::label::PlyPlace;
+use super::wire::{self, PlyFields};
 use crate::planning::document::files::Files;
 use crate::planning::finding::{Code, Finding};
 
-/// An input whose outlines and tracks are listed, as far as they could be read.
-#[derive(Debug)]
+/// The plies of an input, their outlines and tracks listed as far as they could be read.
+#[derive(Debug, Default)]
 pub struct Listed<'a> {
-    /// The input, with points in place of the files that could be read. Those that could not are still named.
-    pub input: Cow<'a, wire::TapeCut>,
+    /// The plies, with points in place of the files that could be read. Those that could not are still named.
+    pub plies: Vec<PlyFields<'a>>,
     /// Where each point stands.
     pub origins: Origins,
     /// What should be known of the files, and every fault in them, each at its line or at the place that names the
@@ -35,26 +36,10 @@ pub struct Listed<'a> {
 /// those of the document.
 #[must_use]
 pub fn listed<'a>(input: &'a wire::TapeCut, files: &Files) -> Listed<'a> {
-    let mut listed =
-        Listed { input: Cow::Borrowed(input), origins: Origins::default(), findings: Vec::new() };
-    let mut further = Vec::new();
-    let outlines = std::iter::once(&input.boundary).chain(&input.holes).enumerate();
-    for (index, outline) in outlines {
-        // What names both points and a file is refused later, for that.
-        if let (Some(name), None) = (&outline.file, &outline.points) {
-            let place = if index == 0 { Place::Boundary } else { Place::Hole(index - 1) };
-            let read = read_outline(name, outline.layers.as_ref(), place, files);
-            further.extend(listed.take_loops(name, place, read));
-        }
-    }
-    for (name, read) in further {
-        let place = Place::Hole(listed.input.holes.len());
-        listed.input.to_mut().holes.push(wire::Outline::default());
-        listed.put(name, place, read);
-    }
-    if let Some(wire::Tracks::File { file }) = &input.tracks {
-        let read = read_tracks(file, files);
-        listed.take_tracks(file, read);
+    let mut listed = Listed::default();
+    for fields in input.all_plies() {
+        listed.plies.push(fields.clone());
+        listed.read(&fields, files);
     }
     listed
 }
@@ -67,22 +52,47 @@ enum Place {
 }
 
 impl Place {
-    fn pointer(self) -> String {
+    fn pointer(self, ply: PlyPlace) -> String {
         match self {
-            Self::Boundary => "/input/boundary".to_owned(),
-            Self::Hole(index) => format!("/input/holes/{index}"),
+            Self::Boundary => format!("{ply}/boundary"),
+            Self::Hole(index) => format!("{ply}/holes/{index}"),
         }
     }
 }
 
 impl<'a> Listed<'a> {
+    /// Reads the files that a ply names, the last of the list, and puts in its place what stands in them.
+    fn read(&mut self, fields: &PlyFields<'a>, files: &Files) {
+        let mut further = Vec::new();
+        let outlines = std::iter::once(&*fields.boundary).chain(&*fields.holes).enumerate();
+        for (index, outline) in outlines {
+            // What names both points and a file is refused later, for that.
+            if let (Some(name), None) = (&outline.file, &outline.points) {
+                let place = if index == 0 { Place::Boundary } else { Place::Hole(index - 1) };
+                let at = place.pointer(fields.place);
+                let read = read_outline(name, outline.layers.as_ref(), place, &at, files);
+                further.extend(self.take_loops(name, place, read));
+            }
+        }
+        for (name, read) in further {
+            let Some(ply) = self.plies.last_mut() else { return };
+            let place = Place::Hole(ply.holes.len());
+            ply.holes.to_mut().push(wire::Outline::default());
+            self.put(name, place, read);
+        }
+        if let Some(wire::Tracks::File { file }) = fields.tracks.as_deref() {
+            let read = read_tracks(file, fields.place, files);
+            self.take_tracks(file, read);
+        }
+    }
+
     /// Puts the first loop of a file in its place and gives back the others.
-    fn take_loops(
+    fn take_loops<'n>(
         &mut self,
-        name: &'a str,
+        name: &'n str,
         place: Place,
         read: Result<dxf::Drawing, Vec<Finding>>,
-    ) -> Vec<(&'a str, ReadLoop)> {
+    ) -> Vec<(&'n str, ReadLoop)> {
         match read {
             Ok((loops, findings)) => {
                 self.findings.extend(findings);
@@ -101,11 +111,11 @@ impl<'a> Listed<'a> {
 
     fn put(&mut self, name: &str, place: Place, read: ReadLoop) {
         let ReadLoop { line, points, lines } = read;
-        self.origins.outline(place.pointer(), Origin { file: name.to_owned(), line, lines });
-        let input = self.input.to_mut();
+        let Some(ply) = self.plies.last_mut() else { return };
+        self.origins.outline(place.pointer(ply.place), Origin { file: name.to_owned(), line, lines });
         let outline = match place {
-            Place::Boundary => &mut input.boundary,
-            Place::Hole(index) => &mut input.holes[index],
+            Place::Boundary => ply.boundary.to_mut(),
+            Place::Hole(index) => &mut ply.holes.to_mut()[index],
         };
         *outline = wire::Outline { points: Some(points), ..wire::Outline::default() };
     }
@@ -118,8 +128,9 @@ impl<'a> Listed<'a> {
                     tracks.push(track);
                     origins.push(Origin { file: name.to_owned(), line, lines });
                 }
-                self.input.to_mut().tracks = Some(wire::Tracks::Listed(tracks));
-                self.origins.tracks(origins);
+                let Some(ply) = self.plies.last_mut() else { return };
+                ply.tracks = Some(Cow::Owned(wire::Tracks::Listed(tracks)));
+                self.origins.tracks(ply.place, origins);
             }
             Err(faults) => self.findings.extend(faults),
         }
@@ -136,9 +147,10 @@ fn read_outline(
     name: &str,
     layers: Option<&wire::Layers>,
     place: Place,
+    at: &str,
     files: &Files,
 ) -> Result<dxf::Drawing, Vec<Finding>> {
-    let bytes = files.get(name).ok_or_else(|| vec![not_sent(&place.pointer(), name)])?;
+    let bytes = files.get(name).ok_or_else(|| vec![not_sent(at, name)])?;
     if !is_drawing(name) {
         return text::read_loops(name, bytes).map(|loops| (loops, Vec::new()));
     }
@@ -149,11 +161,12 @@ fn read_outline(
     dxf::read(name, bytes, layers, wanted)
 }
 
-fn read_tracks(name: &str, files: &Files) -> Result<Vec<ReadTrack>, Vec<Finding>> {
-    let bytes = files.get(name).ok_or_else(|| vec![not_sent("/input/tracks", name)])?;
+fn read_tracks(name: &str, ply: PlyPlace, files: &Files) -> Result<Vec<ReadTrack>, Vec<Finding>> {
+    let at = format!("{ply}/tracks");
+    let bytes = files.get(name).ok_or_else(|| vec![not_sent(&at, name)])?;
     if is_drawing(name) {
         let message = "tracks are not read from drawings; list them, or send a plain text (docs/files.md)";
-        return Err(vec![Finding::error(Code::NotSupported, "/input/tracks/file", message)]);
+        return Err(vec![Finding::error(Code::NotSupported, format!("{at}/file"), message)]);
     }
     text::read_tracks(name, bytes)
 }
@@ -185,7 +198,9 @@ mod tests {
     #[test]
     fn an_input_without_files_is_left_as_it_is() {
         let input = input(json!({"boundary": {"points": [[0, 0, 0]]}, "tracks": []}));
-        assert!(matches!(listed(&input, &Files::default()).input, Cow::Borrowed(_)));
+        let listed = listed(&input, &Files::default());
+        assert!(matches!(listed.plies[0].boundary, Cow::Borrowed(_)));
+        assert!(matches!(listed.plies[0].tracks, Some(Cow::Borrowed(_))));
     }
 
     #[test]
@@ -199,12 +214,11 @@ mod tests {
         ]);
         let listed = listed(&input, &sent);
         let first = |outline: &wire::Outline| outline.points.as_ref().unwrap()[0][0];
-        assert_eq!(first(&listed.input.boundary), 0.0);
-        assert_eq!(listed.input.holes.iter().map(first).collect::<Vec<_>>(), [3.0, 7.0, 1.0, 2.0, 4.0]);
-        assert!(
-            listed.input.holes.iter().chain([&listed.input.boundary]).all(|outline| outline.file.is_none())
-        );
-        let Some(wire::Tracks::Listed(tracks)) = &listed.input.tracks else { panic!("they are listed") };
+        let ply = &listed.plies[0];
+        assert_eq!(first(&ply.boundary), 0.0);
+        assert_eq!(ply.holes.iter().map(first).collect::<Vec<_>>(), [3.0, 7.0, 1.0, 2.0, 4.0]);
+        assert!(ply.holes.iter().chain([&*ply.boundary]).all(|outline| outline.file.is_none()));
+        let Some(wire::Tracks::Listed(tracks)) = ply.tracks.as_deref() else { panic!("they are listed") };
         assert_eq!((tracks.len(), tracks[0].number), (1, 9));
         let mut findings = [
             "/input/holes/2/points/0",

@@ -1,12 +1,16 @@
 //! A tape-cut job's input, checked and taken over once: what the planner works on.
 
+use std::fmt;
+
 use super::courses::generate;
 use super::file::origin::Origins;
+use super::label::{CourseLabel, CoursePlace, PlyPlace};
 use super::likeness;
 use super::machine::{Catalogue, Machine, resolve};
 use super::outline::{self, Loop};
-use super::wire;
+use super::wire::{self, PlyFields};
 use super::zone;
+use crate::planning::document::shape::quoted;
 use crate::planning::finding::{Code, Finding, any_error};
 use crate::planning::geometry::{Point3, Vector3};
 use crate::planning::tolerance::{SAME_POINT_MM, UNIT_NORMAL, ZERO_NORMAL};
@@ -21,12 +25,8 @@ pub struct TapeInput {
     pub width: Length,
     /// Its thickness.
     pub thickness: Length,
-    /// The ply's outline in mm, first point not repeated.
-    pub boundary: Loop,
-    /// Its cut-outs.
-    pub holes: Vec<Loop>,
-    /// Its courses in laying order.
-    pub courses: Vec<Course>,
+    /// The plies of the roll in laying order; at least one.
+    pub plies: Vec<Ply>,
     /// The machine.
     pub machine: Machine,
     /// What is done with a shape that too many knives would be needed for.
@@ -48,7 +48,7 @@ pub struct TapeInput {
     /// The laying head's shortest length, if it has one.
     pub shortest_piece: Option<Length>,
     /// The course from which on the program goes, if not from the start.
-    pub from_course: Option<u32>,
+    pub from_course: Option<CourseLabel>,
     /// Whether knives stay up and the generator off.
     pub dry_run: bool,
     /// What was accepted and should be known.
@@ -57,7 +57,45 @@ pub struct TapeInput {
     pub origins: Origins,
 }
 
+/// A ply, which is developed for itself.
+#[derive(Debug, Clone)]
+pub struct Ply {
+    /// Which ply of the job it is.
+    pub place: PlyPlace,
+    /// Its name for people, which may be empty.
+    pub name: String,
+    /// Its outline in mm, first point not repeated.
+    pub boundary: Loop,
+    /// Its cut-outs.
+    pub holes: Vec<Loop>,
+    /// Its courses in laying order.
+    pub courses: Vec<Course>,
+}
+
+/// `the ply`, or `ply 2 ("P13")` where there are several.
+impl fmt::Display for Ply {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.place.number {
+            None => f.write_str("the ply"),
+            Some(number) if self.name.is_empty() => write!(f, "ply {number}"),
+            Some(number) => write!(f, "ply {number} ({})", quoted(&self.name)),
+        }
+    }
+}
+
 impl TapeInput {
+    /// The ply of that place.
+    #[must_use]
+    pub fn ply(&self, place: PlyPlace) -> Option<&Ply> {
+        self.plies.get(place.index.unwrap_or(0))
+    }
+
+    /// Whether the roll holds several plies.
+    #[must_use]
+    pub fn several_plies(&self) -> bool {
+        self.plies.len() > 1
+    }
+
     /// What is left of the chord tolerance for thinning, in mm, where a spool may bend cuts.
     #[must_use]
     pub fn thinning_mm(&self) -> f64 {
@@ -68,46 +106,49 @@ impl TapeInput {
 /// A course: the centre line of a tape on the mould.
 #[derive(Debug, Clone)]
 pub struct Course {
-    /// Its number.
-    pub number: u32,
+    /// What it is called.
+    pub label: CourseLabel,
     /// Its place in the job document, for findings.
-    pub index: usize,
+    pub place: CoursePlace,
     /// Points in mm in laying direction, none repeated.
     pub points: Vec<Point3>,
     /// The mould's outward unit normal at each.
     pub normals: Vec<Vector3>,
 }
 
-/// Checks an input and takes it over. What it names in a file is not there for this: [`super::file::listed`] puts
-/// it there first.
+/// Checks an input and takes it over. `plies` are its plies; what they name in files [`super::file::listed`] has put in
+/// its place, or it is not there for this.
 ///
 /// # Errors
 /// Every fault with its JSON pointer.
-pub fn check(input: &wire::TapeCut, catalogue: &Catalogue) -> Result<TapeInput, Vec<Finding>> {
+pub fn check(
+    input: &wire::TapeCut,
+    plies: &[PlyFields<'_>],
+    catalogue: &Catalogue,
+) -> Result<TapeInput, Vec<Finding>> {
     let mut findings = Vec::new();
+    input.refuse_mixed(&mut findings);
     let machine =
         resolve(&input.machine, catalogue, "/input/machine").map_err(|faults| findings.extend(faults)).ok();
-    let mut courses = check_courses(input, &mut findings);
     let zones_mm = zone::check(&input.tape.zones_mm, &mut findings);
-    let (boundary, holes) = outline::check(&input.boundary, &input.holes, &mut findings);
+    let from_course = check_start(&input.options, plies.len(), &mut findings);
+    let width = Length::from_mm(input.tape.width_mm);
     let mut origins = Origins::default();
-    if let (None, Some(rule)) = (&input.tracks, &input.courses) {
-        origins = Origins::of_generated_courses();
-        courses = generated(input, rule, &boundary, &holes, &mut findings);
-    }
+    let checked: Vec<Ply> =
+        plies.iter().map(|ply| check_ply(ply, width, &mut origins, &mut findings)).collect();
     if !any_error(&findings) {
-        findings.extend(likeness::findings(&boundary, &courses, input));
+        let alike =
+            |(ply, fields): (_, &PlyFields<'_>)| likeness::findings(ply, fields.tracks.is_none(), width);
+        findings.extend(checked.iter().zip(plies).flat_map(alike));
     }
     let Some(machine) = machine.filter(|_| !any_error(&findings)) else {
         findings.retain(Finding::is_error);
         return Err(findings);
     };
     Ok(TapeInput {
-        width: Length::from_mm(input.tape.width_mm),
+        width,
         thickness: Length::from_mm(input.tape.thickness_mm),
-        boundary,
-        holes,
-        courses,
+        plies: checked,
         machine,
         on_excess: input.options.on_excess,
         roll_order: input.options.roll_order,
@@ -118,64 +159,109 @@ pub fn check(input: &wire::TapeCut, catalogue: &Catalogue) -> Result<TapeInput, 
         scrap_gap: Length::from_mm(input.options.scrap_gap_mm),
         tolerance: Length::from_mm(input.options.tolerance_mm),
         shortest_piece: input.options.shortest_piece_mm.map(Length::from_mm),
-        from_course: input.options.from_course,
+        from_course,
         dry_run: input.options.dry_run,
         findings,
         origins,
     })
 }
 
-/// The courses of a rule. An outline that is at fault, or in a file that is not read yet, has none.
-fn generated(
-    input: &wire::TapeCut,
-    rule: &wire::Courses,
-    boundary: &Loop,
-    holes: &[Loop],
+fn check_ply(
+    fields: &PlyFields<'_>,
+    width: Length,
+    origins: &mut Origins,
     findings: &mut Vec<Finding>,
-) -> Vec<Course> {
-    if outline::Plane::of(boundary).is_none() {
+) -> Ply {
+    let place = fields.place;
+    let courses = check_courses(fields, findings);
+    let (boundary, holes) = outline::check(place, &fields.boundary, &fields.holes, findings);
+    let mut ply = Ply { place, name: fields.name.to_owned(), boundary, holes, courses };
+    if let (None, Some(rule)) = (&fields.tracks, fields.courses) {
+        origins.generated(place);
+        ply.courses = generated(rule, width, &ply, findings);
+    }
+    ply
+}
+
+/// The courses of a rule. An outline that is at fault, or in a file that is not read yet, has none.
+fn generated(rule: &wire::Courses, width: Length, ply: &Ply, findings: &mut Vec<Finding>) -> Vec<Course> {
+    if outline::Plane::of(&ply.boundary).is_none() {
         return Vec::new();
     }
-    let courses = generate(rule, Length::from_mm(input.tape.width_mm), boundary, holes);
+    let courses = generate(rule, width, ply.place, &ply.boundary, &ply.holes);
     courses.map_err(|fault| findings.push(fault)).unwrap_or_default()
 }
 
-fn check_courses(input: &wire::TapeCut, findings: &mut Vec<Finding>) -> Vec<Course> {
-    if input.tracks.is_some() && input.courses.is_some() {
-        let message = "a ply has either tracks or courses to be generated";
-        findings.push(Finding::error(Code::ConflictingFields, "/input/courses", message));
+/// The course from which on the program goes. Numbers of courses are one of their kind in a ply only.
+fn check_start(options: &wire::Options, plies: usize, findings: &mut Vec<Finding>) -> Option<CourseLabel> {
+    let mut refuse = |code: Code, name: &str, message: String| {
+        findings.push(Finding::error(code, format!("/input/options/{name}"), message));
+        None
+    };
+    match (options.from_course, options.from_ply) {
+        // What has no ply is refused for that.
+        _ if plies == 0 => None,
+        (None, None) => None,
+        (None, Some(_)) => {
+            let message = "from_ply says of which ply from_course is, which must be there too";
+            refuse(Code::MissingField, "from_course", message.to_owned())
+        }
+        (Some(_), Some(_)) if plies == 1 => {
+            let message = "a roll of one ply has no from_ply; leave it out";
+            refuse(Code::ConflictingFields, "from_ply", message.to_owned())
+        }
+        (Some(_), None) if plies > 1 => {
+            let message =
+                format!("each of the {plies} plies numbers its courses for itself; say which ply's");
+            refuse(Code::MissingField, "from_ply", message)
+        }
+        (Some(_), Some(ply)) if ply as usize > plies => {
+            refuse(Code::OutOfRange, "from_ply", format!("is {ply}; there are {plies} plies"))
+        }
+        (Some(number), ply) => Some(CourseLabel { ply, number }),
     }
-    let tracks = match &input.tracks {
+}
+
+fn check_courses(ply: &PlyFields<'_>, findings: &mut Vec<Finding>) -> Vec<Course> {
+    let place = ply.place;
+    if ply.tracks.is_some() && ply.courses.is_some() {
+        let message = "a ply has either tracks or courses to be generated";
+        findings.push(Finding::error(Code::ConflictingFields, format!("{place}/courses"), message));
+    }
+    let tracks = match ply.tracks.as_deref() {
         Some(wire::Tracks::Listed(tracks)) => tracks,
         Some(wire::Tracks::File { .. }) => return Vec::new(),
-        None if input.courses.is_some() => return Vec::new(),
+        None if ply.courses.is_some() => return Vec::new(),
         None => {
             let message = "a ply needs its tracks, or courses to be generated";
-            findings.push(Finding::error(Code::MissingField, "/input/tracks", message));
+            findings.push(Finding::error(Code::MissingField, format!("{place}/tracks"), message));
             return Vec::new();
         }
     };
-    refuse_repeated_numbers(tracks, findings);
-    tracks.iter().enumerate().map(|(index, track)| check_course(index, track, findings)).collect()
+    refuse_repeated_numbers(tracks, place, findings);
+    let course = |(index, track)| check_course(place, index, track, findings);
+    tracks.iter().enumerate().map(course).collect()
 }
 
-fn refuse_repeated_numbers(tracks: &[wire::Track], findings: &mut Vec<Finding>) {
+fn refuse_repeated_numbers(tracks: &[wire::Track], ply: PlyPlace, findings: &mut Vec<Finding>) {
     let mut seen = std::collections::BTreeMap::new();
     for (index, track) in tracks.iter().enumerate() {
         if let Some(first) = seen.insert(track.number, index) {
             let message = format!("track number {} is that of track {first} too", track.number);
             findings.push(Finding::error(
                 Code::DuplicateCourse,
-                format!("/input/tracks/{index}/number"),
+                format!("{}/number", ply.course(index)),
                 message,
             ));
         }
     }
 }
 
-fn check_course(index: usize, track: &wire::Track, findings: &mut Vec<Finding>) -> Course {
-    let at = format!("/input/tracks/{index}/points");
-    let mut course = Course { number: track.number, index, points: Vec::new(), normals: Vec::new() };
+fn check_course(ply: PlyPlace, index: usize, track: &wire::Track, findings: &mut Vec<Finding>) -> Course {
+    let place = ply.course(index);
+    let at = format!("{place}/points");
+    let label = ply.label(track.number);
+    let mut course = Course { label, place, points: Vec::new(), normals: Vec::new() };
     let mut repeated = Vec::new();
     for (number, point) in track.points.iter().enumerate() {
         let position = Point3::from(point.position);

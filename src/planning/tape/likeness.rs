@@ -6,29 +6,28 @@
 //! outward normals of a male mould diverge and those of a female one converge. What can be told is that a course
 //! disagrees with those beside it.
 
-use super::input::Course;
-use super::outline::{Loop, Plane};
-use super::wire;
+use super::input::{Course, Ply};
+use super::outline::Plane;
 use crate::planning::finding::{Code, Finding};
 use crate::planning::geometry::{Point3, Vector3};
 use crate::planning::tolerance::{OPPOSED_COSINE, UNLIKE_SIZES};
+use crate::planning::units::Length;
 
 /// The most places of a course that are compared with those of others.
 const MOST_PLACES: usize = 64;
 
-/// What an input without faults says of itself. Of what is in files and not read yet there is nothing to say.
+/// What a ply without faults says of itself; `generated` if its courses are. Of what is in files and not read yet there is nothing to say.
 #[must_use]
-pub fn findings(boundary: &Loop, courses: &[Course], input: &wire::TapeCut) -> Vec<Finding> {
-    let (generated, width_mm) = (input.tracks.is_none(), input.tape.width_mm);
-    let sizes = of_sizes(boundary, courses, generated, width_mm);
-    sizes.into_iter().chain(of_normals(boundary, courses, generated, width_mm)).collect()
+pub fn findings(ply: &Ply, generated: bool, width: Length) -> Vec<Finding> {
+    let sizes = of_sizes(ply, generated, width.mm());
+    sizes.into_iter().chain(of_normals(ply, generated, width.mm())).collect()
 }
 
 /// What the sizes of a ply, of its courses and of its tape say of their units.
-fn of_sizes(boundary: &Loop, courses: &[Course], generated: bool, width_mm: f64) -> Option<Finding> {
-    let ply = extent_mm(boundary.iter())?;
-    let laid = extent_mm(courses.iter().flat_map(|course| &course.points)).filter(|_| !generated);
-    let at = "/input/boundary/points";
+fn of_sizes(ply: &Ply, generated: bool, width_mm: f64) -> Option<Finding> {
+    let at = outline_of(ply);
+    let laid = extent_mm(ply.courses.iter().flat_map(|course| &course.points)).filter(|_| !generated);
+    let ply = extent_mm(ply.boundary.iter())?;
     let advice = "see whether both are in mm";
     if let Some(laid) = laid.filter(|laid| laid / ply > UNLIKE_SIZES || ply / laid > UNLIKE_SIZES) {
         let message =
@@ -42,6 +41,11 @@ fn of_sizes(boundary: &Loop, courses: &[Course], generated: bool, width_mm: f64)
     })
 }
 
+/// Where the outline of a ply stands.
+fn outline_of(ply: &Ply) -> String {
+    format!("{}/boundary/points", ply.place)
+}
+
 /// The diagonal of the box around some points, in mm; none of a single place.
 fn extent_mm<'a>(points: impl Iterator<Item = &'a Point3>) -> Option<f64> {
     let around = points.fold(None, |around: Option<(Point3, Point3)>, point| {
@@ -52,20 +56,21 @@ fn extent_mm<'a>(points: impl Iterator<Item = &'a Point3>) -> Option<f64> {
 }
 
 /// What the courses' normals say: against the sense of the outline, and against one another.
-fn of_normals(boundary: &Loop, courses: &[Course], generated: bool, width_mm: f64) -> Vec<Finding> {
+fn of_normals(ply: &Ply, generated: bool, width_mm: f64) -> Vec<Finding> {
+    let courses = &ply.courses;
     let sum: Vector3 = courses.iter().flat_map(|course| &course.normals).sum();
     let count = courses.iter().map(|course| course.normals.len()).sum::<usize>();
     let mean = sum / count.max(1) as f64;
     // A ply that goes so far around its mould is seen as a whole from nowhere.
-    let sense = (mean.norm() > 0.5).then(|| sense(boundary, &mean, generated)).flatten();
+    let sense = (mean.norm() > 0.5).then(|| sense(ply, &mean, generated)).flatten();
     sense.into_iter().chain(opposed(courses, &mean, width_mm)).collect()
 }
 
 /// Says that a boundary turns counter-clockwise seen from the normals' side. The normals of generated courses are ours
 /// and right; with any others it may be they that are wrong.
-fn sense(boundary: &Loop, mean: &Vector3, generated: bool) -> Option<Finding> {
-    let plane = Plane::of(boundary).filter(|plane| plane.normal.dot(mean) > 0.0)?;
-    let at = "/input/boundary/points";
+fn sense(ply: &Ply, mean: &Vector3, generated: bool) -> Option<Finding> {
+    let plane = Plane::of(&ply.boundary).filter(|plane| plane.normal.dot(mean) > 0.0)?;
+    let at = outline_of(ply);
     let turns = "the boundary turns counter-clockwise seen from the normals' side; that is accepted";
     if generated {
         return Some(Finding::info(Code::OutlineSense, at, turns));
@@ -98,10 +103,10 @@ fn opposed(courses: &[Course], mean: &Vector3, width_mm: f64) -> Vec<Finding> {
 fn turned_over(course: &Course) -> Option<Finding> {
     let mut steps = course.normals.windows(2);
     let point = 1 + steps.position(|pair| pair[0].dot(&pair[1]) < OPPOSED_COSINE)?;
-    let at = format!("/input/tracks/{}/points", course.index);
+    let at = format!("{}/points", course.place);
     let message = format!(
         "the normal at point {point} of course {} points against that of the point before",
-        course.number
+        course.label
     );
     Some(Finding::error(Code::NormalsOpposed, at, message))
 }
@@ -197,22 +202,22 @@ impl Meetings {
 }
 
 fn certainly_opposed<'a>(course: &Course, others: impl Iterator<Item = &'a Course>) -> Finding {
-    let others = others.map(|other| other.number.to_string()).collect::<Vec<_>>().join(", ");
+    let others = others.map(|other| other.label.to_string()).collect::<Vec<_>>().join(", ");
     let message = format!(
         "the normals of course {} point against those of the courses beside it ({others}): its pieces would be mirrored. \
          Give the mould's outward normals",
-        course.number
+        course.label
     );
-    Finding::error(Code::NormalsOpposed, format!("/input/tracks/{}/points", course.index), message)
+    Finding::error(Code::NormalsOpposed, format!("{}/points", course.place), message)
 }
 
 fn perhaps_opposed(course: &Course, other: &Course) -> Finding {
     let message = format!(
         "the normals of course {} point against those of course {} beside it: the pieces of one of both are mirrored, \
          unless the mould turns over an edge between them",
-        course.number, other.number
+        course.label, other.label
     );
-    Finding::warning(Code::NormalsOpposed, format!("/input/tracks/{}/points", course.index), message)
+    Finding::warning(Code::NormalsOpposed, format!("{}/points", course.place), message)
 }
 
 /// A cell of the grid and those around it.

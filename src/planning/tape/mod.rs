@@ -18,6 +18,7 @@ pub mod excess;
 pub mod file;
 pub mod front;
 pub mod input;
+pub mod label;
 pub mod likeness;
 pub mod machine;
 pub mod offset;
@@ -44,6 +45,7 @@ pub mod zone;
 
 use self::difference::difference;
 use self::input::TapeInput;
+use self::label::CourseLabel;
 use self::plan::TapePlan;
 use self::report::TapeReport;
 use self::trace::PlantedTrace;
@@ -61,7 +63,10 @@ use super::program::replay::{ReplayFigures, ReplaySetup, dry, replay};
 /// Name of the one program of a tape-cut job: what it is, with the ending of its dialect.
 #[must_use]
 pub fn program_name(input: &TapeInput) -> String {
-    let from = input.from_course.map_or(String::new(), |number| format!("-from-course-{number}"));
+    let from = input.from_course.map_or(String::new(), |CourseLabel { ply, number }| {
+        let ply = ply.map_or(String::new(), |ply| format!("-ply-{ply}"));
+        format!("-from{ply}-course-{number}")
+    });
     let dry = if input.dry_run { "-dry-run" } else { "" };
     format!("roll{from}{dry}.{}", language(input.machine.dialect).ending)
 }
@@ -102,7 +107,7 @@ fn take_over(
     catalogue: &machine::Catalogue,
 ) -> Result<TapeInput, Vec<Finding>> {
     let mut listed = file::listed(input, files);
-    let checked = input::check(&listed.input, catalogue);
+    let checked = input::check(input, &listed.plies, catalogue);
     let mut findings = std::mem::take(&mut listed.findings);
     let mut input = match checked {
         Ok(input) => input,
@@ -164,8 +169,8 @@ fn write(
     let mut bound_time_s = timeline::bound_s(&strokes, machine);
     let whole = timeline::merge(strokes, machine, input.tolerance.mm())?;
     let (mut program, mut before) = (whole, Vec::new());
-    if let Some((number, mut strokes)) = input.from_course.zip(kept) {
-        let restart = restart::from_course(&program, number, machine, plan.figures.lead_mm);
+    if let Some((course, mut strokes)) = input.from_course.zip(kept) {
+        let restart = restart::from_course(&program, course, machine, plan.figures.lead_mm);
         restart::Restart { program, before } = restart.map_err(|fault| vec![fault])?;
         let later = |stroke: &stroke::Stroke| stroke.knots[0].x >= program.start.feed_mm;
         strokes.iter_mut().for_each(|strokes| strokes.retain(later));

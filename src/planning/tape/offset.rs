@@ -346,7 +346,7 @@ mod tests {
     fn followed(list: &[(f64, f64)], offset_mm: f64) -> Result<Vec<Stroke>, Vec<Finding>> {
         let machine = machine(offset_mm);
         let points: Vec<_> = list.iter().map(|&(u, v)| Point2::new(u, v)).collect();
-        let made = strokes(&split(0, &points, 37.5)[0], 1, &machine.cutters[0], 100.0, 0.01);
+        let made = strokes(&split(0, &points, 37.5)[0], 1.into(), &machine.cutters[0], 100.0, 0.01);
         follow(vec![made, Vec::new()], &machine, 0.01).map(|mut followed| followed.remove(0))
     }
 

@@ -1,6 +1,7 @@
 //! The outlines of a ply: what is accepted and said, and what is refused.
 
 use super::file::is_drawing;
+use super::label::PlyPlace;
 use super::wire;
 use crate::planning::finding::{Code, Finding};
 use crate::planning::geometry::crossing::{Crossing, first_crossing};
@@ -22,13 +23,14 @@ struct Draft {
 
 /// Checks the outlines of a ply and takes them over.
 pub fn check(
+    ply: PlyPlace,
     boundary: &wire::Outline,
     holes: &[wire::Outline],
     findings: &mut Vec<Finding>,
 ) -> (Loop, Vec<Loop>) {
-    let mut drafts = vec![take_over(boundary, "/input/boundary", findings)];
+    let mut drafts = vec![take_over(boundary, &format!("{ply}/boundary"), findings)];
     for (index, hole) in holes.iter().enumerate() {
-        drafts.push(take_over(hole, &format!("/input/holes/{index}"), findings));
+        drafts.push(take_over(hole, &format!("{ply}/holes/{index}"), findings));
     }
     if drafts.iter().all(|draft| draft.points.len() >= 3) {
         check_in_plane(&drafts, findings);
@@ -81,7 +83,7 @@ fn refuse_odd_fields(outline: &wire::Outline, at: &str, findings: &mut Vec<Findi
     if !outline.file.as_deref().is_some_and(is_drawing) {
         let message = "only a file whose name ends in .dxf has layers";
         findings.push(Finding::error(Code::ConflictingFields, format!("{at}/layers"), message));
-    } else if layers.boundary.is_some() && at != "/input/boundary" {
+    } else if layers.boundary.is_some() && !at.ends_with("/boundary") {
         let message = "a cut-out has no boundary; name the layer of the cut-outs";
         findings.push(Finding::error(Code::ConflictingFields, format!("{at}/layers/boundary"), message));
     }

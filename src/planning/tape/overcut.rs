@@ -4,6 +4,7 @@
 //! its own or a neighbour, and never takes the tape to where the same knife has its next or last stroke. Where it
 //! would, it is shorter, which is said.
 
+use super::label::CourseLabel;
 use super::machine::{Cutter, Machine};
 use super::offset::ahead_mm;
 use super::plan::TapePlan;
@@ -220,11 +221,11 @@ struct Shortened {
     ends: usize,
     short: usize,
     worst_mm: f64,
-    course: u32,
+    course: CourseLabel,
 }
 
 impl Shortened {
-    fn note(&mut self, short_mm: f64, course: u32) {
+    fn note(&mut self, short_mm: f64, course: CourseLabel) {
         self.ends += 1;
         if short_mm > SHORTEST_MM {
             self.short += 1;

@@ -170,13 +170,14 @@ fn together(first: &[Busy], second: &[Busy], apart_mm: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::label::CoursePlace;
     use super::*;
     use proptest::prelude::*;
 
     fn chain(low: f64, high: f64, knife: usize) -> RollChain {
         RollChain {
-            course: 1,
-            course_index: 0,
+            course: 1.into(),
+            place: CoursePlace::default(),
             range: (low, high),
             offset_mm: 0.0,
             published: knife,

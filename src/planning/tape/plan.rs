@@ -4,7 +4,8 @@ use super::assign::{RollChain, assign, passing, published};
 use super::block::{Block, Rule, Way};
 use super::chain::{Chain, split};
 use super::develop::{PlyInSpace, develop};
-use super::input::{Allocation, Course, OnExcess, TapeInput};
+use super::input::{Allocation, Course, OnExcess, Ply, TapeInput};
+use super::label::{CourseLabel, CoursePlace};
 use super::machine::{Cutter, Machine};
 use super::offset::{busy_mm, parted};
 use super::outline::flat_area;
@@ -38,10 +39,10 @@ pub struct TapePlan {
 /// A course of a plan.
 #[derive(Debug, Clone)]
 pub struct PlannedCourse {
-    /// Its number.
-    pub number: u32,
+    /// What it is called.
+    pub label: CourseLabel,
     /// Its place in the job document.
-    pub index: usize,
+    pub place: CoursePlace,
     /// Its pieces in order of their smallest u.
     pub pieces: Vec<PlannedPiece>,
 }
@@ -90,12 +91,7 @@ pub fn plan(
     findings: &mut Vec<Finding>,
 ) -> Result<TapePlan, Vec<Finding>> {
     budget.stage("develop and clip");
-    let mut courses = pieces_of_courses(input, budget, findings)?;
-    if courses.is_empty() {
-        let message = "no course touches the ply: see whether both are in one coordinate system, in mm";
-        return Err(vec![Finding::error(Code::NoCourseOnPly, "/input/tracks", message)]);
-    }
-    findings.extend(uncovered(&courses, input));
+    let mut courses = courses_of_plies(input, budget, findings)?;
     budget.stage("chains");
     findings.extend(assign_knives(&mut courses, input)?);
     budget.stage("roll");
@@ -105,40 +101,61 @@ pub fn plan(
     Ok(planned)
 }
 
+/// The courses of all plies in laying order. Each ply is looked at for itself.
+fn courses_of_plies(
+    input: &TapeInput,
+    budget: &Budget<'_>,
+    findings: &mut Vec<Finding>,
+) -> Result<Vec<PlannedCourse>, Vec<Finding>> {
+    let (mut courses, mut faults) = (Vec::new(), Vec::new());
+    for ply in &input.plies {
+        let of_ply = pieces_of_courses(ply, input, budget, findings)?;
+        if of_ply.is_empty() {
+            let message =
+                format!("no course touches {ply}: see whether both are in one coordinate system, in mm");
+            faults.push(Finding::error(Code::NoCourseOnPly, format!("{}/tracks", ply.place), message));
+        } else {
+            findings.extend(uncovered(&of_ply, ply));
+        }
+        courses.extend(of_ply);
+    }
+    if faults.is_empty() { Ok(courses) } else { Err(faults) }
+}
+
 /// Says how much of a flat ply its courses leave bare. Courses that overlap hide a part of it.
-fn uncovered(courses: &[PlannedCourse], input: &TapeInput) -> Option<Finding> {
-    let ply = flat_area(&input.boundary, &input.holes)?;
+fn uncovered(courses: &[PlannedCourse], ply: &Ply) -> Option<Finding> {
+    let area_mm2 = flat_area(&ply.boundary, &ply.holes)?;
     let covered: f64 = courses.iter().flat_map(|course| &course.pieces).map(|p| p.piece.area_mm2).sum();
-    if covered >= COVERED_SHARE * ply {
+    if covered >= COVERED_SHARE * area_mm2 {
         return None;
     }
     let message = format!(
-        "the courses cover {:.1} % of the ply at most; see whether a course is missing, or the tape's width is in mm",
-        covered / ply * 100.0
+        "the courses cover {:.1} % of {ply} at most; see whether a course is missing, or the tape's width is in mm",
+        covered / area_mm2 * 100.0
     );
-    Some(Finding::warning(Code::PlyNotCovered, "/input/tracks", message))
+    Some(Finding::warning(Code::PlyNotCovered, format!("{}/tracks", ply.place), message))
 }
 
 fn pieces_of_courses(
+    ply: &Ply,
     input: &TapeInput,
     budget: &Budget<'_>,
     findings: &mut Vec<Finding>,
 ) -> Result<Vec<PlannedCourse>, Vec<Finding>> {
     let mut courses = Vec::new();
-    let ply = PlyInSpace::new(&input.boundary, &input.holes);
-    for course in &input.courses {
-        let pieces = pieces_of(course, &ply, input, budget).map_err(|finding| vec![finding])?;
+    let in_space = PlyInSpace::new(&ply.boundary, &ply.holes);
+    for course in &ply.courses {
+        let pieces = pieces_of(course, &in_space, input, budget).map_err(|finding| vec![finding])?;
         if pieces.is_empty() {
             findings.push(Finding::info(
                 Code::CourseOffPly,
-                format!("/input/tracks/{}", course.index),
-                format!("course {} does not touch the ply and is left out", course.number),
+                course.place.to_string(),
+                format!("course {} does not touch the ply and is left out", course.label),
             ));
         } else {
             findings.extend(pieces.iter().filter_map(|piece| simplification(course, piece)));
-            let at = format!("/input/tracks/{}", course.index);
-            findings.extend(sliver::findings(course.number, &at, &pieces, input));
-            courses.push(PlannedCourse { number: course.number, index: course.index, pieces });
+            findings.extend(sliver::findings(course, &pieces, input));
+            courses.push(PlannedCourse { label: course.label, place: course.place, pieces });
         }
     }
     Ok(courses)
@@ -149,9 +166,9 @@ fn simplification(course: &Course, piece: &PlannedPiece) -> Option<Finding> {
     let message = format!(
         "course {}: there are not enough knives for its outline; it was changed on the scrap side, by {deviation_mm:.3} mm along \
          the tape at the most, and {area_mm2:.1} mm2 are left to be trimmed",
-        course.number
+        course.label
     );
-    Some(Finding::warning(Code::OutlineSimplified, format!("/input/tracks/{}", course.index), message))
+    Some(Finding::warning(Code::OutlineSimplified, course.place.to_string(), message))
 }
 
 fn pieces_of(
@@ -222,8 +239,8 @@ fn roll_chains(course: &PlannedCourse, piece: &PlannedPiece) -> Vec<RollChain> {
     let on_roll = |(chain, cutter): &(Chain, usize)| {
         let (low, high) = chain.busy_mm;
         RollChain {
-            course: course.number,
-            course_index: course.index,
+            course: course.label,
+            place: course.place,
             range: (low + piece.offset_mm, high + piece.offset_mm),
             offset_mm: piece.offset_mm,
             published: *cutter,
@@ -427,7 +444,7 @@ impl TapePlan {
             let machine_cutter = &input.machine.cutters[*cutter];
             let x_of_u0 = self.figures.lead_mm - piece.offset_mm + machine_cutter.station.mm();
             let thinning_mm = machine_cutter.thinning_mm(input.thinning_mm(), input.tolerance.mm());
-            let mut made = strokes(chain, course.number, machine_cutter, x_of_u0, thinning_mm);
+            let mut made = strokes(chain, course.label, machine_cutter, x_of_u0, thinning_mm);
             let before = of_cutters[*cutter].last().and_then(|stroke| stroke.knots.last());
             if !machine_cutter.swivels() {
                 hold_back(&mut made, before.map_or(f64::NEG_INFINITY, |knot| knot.x));
@@ -460,9 +477,9 @@ impl TapePlan {
             let Some(shared) = piece.shared else { continue };
             let message = format!(
                 "the end of course {} and the start of course {} are one cut; the two are {:.4} mm apart at most",
-                course.number, self.courses[shared.with.0].number, shared.apart_mm
+                course.label, self.courses[shared.with.0].label, shared.apart_mm
             );
-            findings.push(Finding::info(Code::SharedCut, format!("/input/tracks/{}", course.index), message));
+            findings.push(Finding::info(Code::SharedCut, course.place.to_string(), message));
         }
         findings
     }
@@ -498,7 +515,7 @@ impl TapePlan {
         }
         let needs = |piece: &PlannedPiece| self.leading_end_mm - (piece.u.0 + piece.offset_mm) + behind_mm;
         let first = self.pieces().rev().find(|(_, piece)| needs(piece) > length_mm)?;
-        let course = first.0.number;
+        let course = first.0.label;
         Some(format!(
             "{lacking:.3} mm more are needed. The first course, in the order of cutting, that does not fit is {course}"
         ))
@@ -510,7 +527,7 @@ impl TapePlan {
         let mut wanted = Vec::new();
         for (course, piece) in self.pieces() {
             wanted.extend(piece.piece.cuts().map(|cut| WantedCut {
-                course: course.number,
+                course: course.label,
                 points: cut.iter().map(|point| [point.x + piece.offset_mm, point.y]).collect(),
             }));
         }

@@ -18,7 +18,7 @@ pub struct TapeReport<'a> {
     machine: MachineReport,
     courses: Vec<CourseReport<'a>>,
     roll: RollFigures,
-    manifest: Vec<ManifestEntry>,
+    manifest: Vec<ManifestEntry<'a>>,
     /// Cycle time in s, each move from rest to rest with the profile's accelerations.
     time_s: f64,
     /// A lower bound of it: each axis alone at its limit of speed, with the dwells of its knife.
@@ -31,6 +31,9 @@ pub struct TapeReport<'a> {
     /// The course from which on the program goes.
     #[serde(skip_serializing_if = "Option::is_none")]
     from_course: Option<u32>,
+    /// The ply of that course, where there are several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    from_ply: Option<u32>,
     /// How much of `time_s` is the tape's way from 0 to where that course begins: nothing if it stands there already.
     #[serde(skip_serializing_if = "Option::is_none")]
     approach_s: Option<f64>,
@@ -42,6 +45,9 @@ pub struct TapeReport<'a> {
 /// How far a course's outlines were changed.
 #[derive(Debug, Clone, Serialize)]
 struct SimplifiedReport {
+    /// Here and below: the ply, from 1, and its name, where there are several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ply: Option<u32>,
     course: u32,
     /// Along the tape, in mm.
     max_deviation_mm: f64,
@@ -59,6 +65,10 @@ struct MachineReport {
 
 #[derive(Debug, Clone, Serialize)]
 struct CourseReport<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ply: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ply_name: Option<&'a str>,
     number: u32,
     pieces: Vec<PieceReport<'a>>,
 }
@@ -91,7 +101,11 @@ fn pairs<S: Serializer>(points: &[Point2], serializer: S) -> Result<S::Ok, S::Er
 
 /// A piece as the cassette gives it out.
 #[derive(Debug, Clone, Serialize)]
-struct ManifestEntry {
+struct ManifestEntry<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ply: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ply_name: Option<&'a str>,
     course: u32,
     /// Piece of the course, from 1, in laying direction.
     piece: usize,
@@ -108,13 +122,15 @@ impl<'a> TapeReport<'a> {
     #[must_use]
     pub fn new(
         plan: &'a TapePlan,
-        input: &TapeInput,
+        input: &'a TapeInput,
         program: &TapeProgram,
         bound_time_s: f64,
         replay: ReplayFigures,
     ) -> Self {
         let courses = plan.courses.iter().map(|course| CourseReport {
-            number: course.number,
+            ply: course.label.ply,
+            ply_name: ply_name(course, input),
+            number: course.label.number,
             pieces: course.pieces.iter().map(piece_report).collect(),
         });
         let machine = &input.machine;
@@ -123,23 +139,31 @@ impl<'a> TapeReport<'a> {
             machine: MachineReport { name, profile_sha256 },
             courses: courses.collect(),
             roll: plan.figures,
-            manifest: manifest(plan),
+            manifest: manifest(plan, input),
             time_s: program.time_s,
             bound_time_s,
             replay,
             simplified: plan.courses.iter().filter_map(simplified_report).collect(),
             tips: tips(plan, machine),
-            from_course: input.from_course,
+            from_course: input.from_course.map(|course| course.number),
+            from_ply: input.from_course.and_then(|course| course.ply),
             approach_s: input.from_course.map(|_| program.approach_s),
             dry_run: input.dry_run,
         }
     }
 }
 
+/// The name of a course's ply, where there are several and it has one.
+fn ply_name<'a>(course: &PlannedCourse, input: &'a TapeInput) -> Option<&'a str> {
+    let ply = input.ply(course.place.ply).filter(|ply| ply.place.number.is_some())?;
+    (!ply.name.is_empty()).then_some(ply.name.as_str())
+}
+
 fn simplified_report(course: &PlannedCourse) -> Option<SimplifiedReport> {
     let changes: Vec<(f64, f64)> = course.pieces.iter().filter_map(|piece| piece.simplified).collect();
     (!changes.is_empty()).then(|| SimplifiedReport {
-        course: course.number,
+        ply: course.label.ply,
+        course: course.label.number,
         max_deviation_mm: changes.iter().map(|change| change.0).fold(0.0, f64::max),
         extra_area_mm2: changes.iter().map(|change| change.1).sum(),
     })
@@ -158,14 +182,16 @@ fn piece_report(piece: &PlannedPiece) -> PieceReport<'_> {
 }
 
 /// The last piece wound comes off the cassette first: the smallest roll coordinate.
-fn manifest(plan: &TapePlan) -> Vec<ManifestEntry> {
+fn manifest<'a>(plan: &TapePlan, input: &'a TapeInput) -> Vec<ManifestEntry<'a>> {
     plan.order
         .iter()
         .zip(plan.pieces())
         .map(|(&(_, index), (course, piece))| {
             let (low, high) = piece.piece.u_range();
             ManifestEntry {
-                course: course.number,
+                ply: course.label.ply,
+                ply_name: ply_name(course, input),
+                course: course.label.number,
                 piece: index + 1,
                 length_mm: high - low,
                 area_mm2: piece.piece.area_mm2,

@@ -1,5 +1,6 @@
 //! A program that goes on from a course: what is cut before it in the whole program counts as cut.
 
+use super::label::CourseLabel;
 use super::machine::Machine;
 use super::offset::edge;
 use super::timeline::Pace;
@@ -25,17 +26,17 @@ pub struct Restart {
 /// `NoCourseOnPly` if no such course is cut, `KnifeState` if a knife is down where it begins.
 pub fn from_course(
     whole: &TapeProgram,
-    number: u32,
+    course: CourseLabel,
     machine: &Machine,
     lead_mm: f64,
 ) -> Result<Restart, Finding> {
-    let begins = |step: &Step| matches!(step, Step::Course { number: found, .. } if *found == number);
+    let begins = |step: &Step| matches!(step, Step::Course { label, .. } if *label == course);
     let Some(index) = whole.steps.iter().position(begins) else {
-        let message = format!("no cut of this roll belongs to a course {number}");
+        let message = format!("no cut of this roll belongs to a course {course}");
         return Err(Finding::error(Code::NoCourseOnPly, AT, message));
     };
     if matches!(whole.steps[index], Step::Course { restartable: false, .. }) {
-        return Err(not_here(whole, number));
+        return Err(not_here(whole, course));
     }
     let (start, before) = done(&whole.steps[..index], whole.start, machine, lead_mm);
     if before.is_empty() {
@@ -56,14 +57,14 @@ pub fn from_course(
     Ok(Restart { program, before })
 }
 
-fn not_here(whole: &TapeProgram, number: u32) -> Finding {
+fn not_here(whole: &TapeProgram, course: CourseLabel) -> Finding {
     let others = whole.steps.iter().filter_map(|step| match step {
-        Step::Course { number, restartable: true } => Some(number.to_string()),
+        Step::Course { label, restartable: true } => Some(label.to_string()),
         _ => None,
     });
     let others: Vec<String> = others.collect();
     let message = format!(
-        "where course {number} begins a knife is down for its neighbour; a program can go on from {}",
+        "where course {course} begins a knife is down for its neighbour; a program can go on from {}",
         others.join(", ")
     );
     Finding::error(Code::KnifeState, AT, message)

@@ -23,7 +23,8 @@ pub fn sheet(
     text.push_str(&program_part(program, file, &input.machine, input_sha256));
     text.push_str(&tape_part(plan, program, input));
     text.push_str(&zero_part(program, &input.machine));
-    text.push_str(&manifest_part(plan));
+    text.push_str(&plies_part(plan, input));
+    text.push_str(&manifest_part(plan, input));
     text.push_str(&trim_part(plan, input));
     Attachment { name: "setup.md".to_owned(), text }
 }
@@ -60,7 +61,7 @@ fn reading(machine: &Machine, feed_mm: f64) -> String {
 /// The pieces that a program cuts, in increasing roll coordinate.
 fn cut_here<'a>(plan: &'a TapePlan, input: &TapeInput) -> &'a [(usize, usize)] {
     let last =
-        plan.order.iter().rposition(|&(course, _)| Some(plan.courses[course].number) == input.from_course);
+        plan.order.iter().rposition(|&(course, _)| Some(plan.courses[course].label) == input.from_course);
     &plan.order[..last.map_or(plan.order.len(), |last| last + 1)]
 }
 
@@ -120,7 +121,7 @@ fn tape_part(plan: &TapePlan, program: &TapeProgram, input: &TapeInput) -> Strin
     ];
     let name = |place: Option<&(usize, usize)>| {
         place.map_or(String::new(), |&(course, piece)| {
-            format!("course {}, piece {}", plan.courses[course].number, piece + 1)
+            format!("course {}, piece {}", plan.courses[course].label, piece + 1)
         })
     };
     // The tape moves toward +U, so the largest roll coordinate passes the knives first.
@@ -216,8 +217,8 @@ fn trim_part(plan: &TapePlan, input: &TapeInput) -> String {
     for &(course, index) in cut_here(plan, input) {
         let course = &plan.courses[course];
         if let Some((deviation, area)) = course.pieces[index].simplified {
-            let (number, piece) = (course.number, index + 1);
-            rows.push_str(&format!("| {number} | {piece} | {} | {} |\n", fixed(deviation, 3), mm(area)));
+            let (label, piece) = (course.label, index + 1);
+            rows.push_str(&format!("| {label} | {piece} | {} | {} |\n", fixed(deviation, 3), mm(area)));
         }
     }
     if rows.is_empty() {
@@ -229,18 +230,53 @@ fn trim_part(plan: &TapePlan, input: &TapeInput) -> String {
     )
 }
 
+/// Which plies the roll holds, where there are several.
+fn plies_part(plan: &TapePlan, input: &TapeInput) -> String {
+    if !input.several_plies() {
+        return String::new();
+    }
+    let mut text = String::from("## Plies, in laying order\n\n| ply | name | pieces |\n|---|---|---|\n");
+    for ply in &input.plies {
+        let number = ply.place.number.unwrap_or(1);
+        let pieces = plan.courses.iter().filter(|course| course.place.ply == ply.place);
+        let pieces: usize = pieces.map(|course| course.pieces.len()).sum();
+        text.push_str(&format!("| {number} | {} | {pieces} |\n", cell(&ply.name)));
+    }
+    text + "\n"
+}
+
+/// A text from outside as plain words in a cell of a table: nothing in it is markup.
+fn cell(text: &str) -> String {
+    let mut cell = String::new();
+    for c in text.chars() {
+        if c.is_ascii_punctuation() && !"-.,:".contains(c) {
+            cell.push('\\');
+        }
+        // Also what turns the direction of writing around is no word.
+        let shown = !c.is_control()
+            && !('\u{200b}'..='\u{202e}').contains(&c)
+            && !('\u{2060}'..='\u{2069}').contains(&c);
+        cell.push(if shown { c } else { ' ' });
+    }
+    cell
+}
+
 /// The last piece wound comes off the cassette first.
-fn manifest_part(plan: &TapePlan) -> String {
-    let mut text = String::from(
+fn manifest_part(plan: &TapePlan, input: &TapeInput) -> String {
+    let several = input.several_plies();
+    let (ply, line) = if several { ("ply | ", "---|") } else { ("", "") };
+    let mut text = format!(
         "## Cassette, in the order in which it gives the pieces out\n\n\
-         | | course | piece | length mm | area mm2 | roll from mm | to mm | |\n|---|---|---|---|---|---|---|---|\n",
+         | | {ply}course | piece | length mm | area mm2 | roll from mm | to mm | |\n|---|{line}---|---|---|---|---|---|---|\n"
     );
     for (place, (&(course, index), (_, piece))) in plan.order.iter().zip(plan.pieces()).enumerate() {
         let (low, high) = piece.piece.u_range();
+        let label = plan.courses[course].label;
+        let ply = label.ply.map_or(String::new(), |ply| format!("{ply} | "));
         text.push_str(&format!(
-            "| {} | {} | {} | {} | {} | {} | {} | {} |\n",
+            "| {} | {ply}{} | {} | {} | {} | {} | {} | {} |\n",
             place + 1,
-            plan.courses[course].number,
+            label.number,
             index + 1,
             mm(high - low),
             mm(piece.piece.area_mm2),

@@ -4,7 +4,7 @@
 
 use serde::Serialize;
 
-use super::input::TapeInput;
+use super::input::{Course, TapeInput};
 use super::piece::{Piece, Side};
 use super::plan::PlannedPiece;
 use crate::planning::finding::{Code, Finding};
@@ -81,21 +81,22 @@ fn length(piece: &Piece) -> f64 {
 
 /// What should be known of the pieces of a course.
 #[must_use]
-pub fn findings(number: u32, at: &str, pieces: &[PlannedPiece], input: &TapeInput) -> Vec<Finding> {
+pub fn findings(course: &Course, pieces: &[PlannedPiece], input: &TapeInput) -> Vec<Finding> {
+    let (label, at) = (course.label, course.place.to_string());
     let too_short = named(pieces, |marks| marks.too_short).map(|which| {
         let shortest = input.shortest_piece.map_or(0.0, Length::mm);
         let message = format!(
-            "course {number}: shorter than the {shortest} mm that the laying head lays: {which}. Lengthen the ply \
+            "course {label}: shorter than the {shortest} mm that the laying head lays: {which}. Lengthen the ply \
              there, or lay it by hand"
         );
-        Finding::warning(Code::PieceTooShort, at, message)
+        Finding::warning(Code::PieceTooShort, at.as_str(), message)
     });
     let slivers = named(pieces, |marks| marks.sliver).map(|which| {
         let message = format!(
-            "course {number}: nowhere {} mm wide: {which}. Nothing holds such a sliver; move the courses or the ply's edge",
+            "course {label}: nowhere {} mm wide: {which}. Nothing holds such a sliver; move the courses or the ply's edge",
             sliver_mm(input.width.mm())
         );
-        Finding::warning(Code::Sliver, at, message)
+        Finding::warning(Code::Sliver, at.as_str(), message)
     });
     too_short.into_iter().chain(slivers).collect()
 }

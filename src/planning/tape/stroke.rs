@@ -5,6 +5,7 @@
 //! tape axis at which the knife stands over the point.
 
 use super::chain::Chain;
+use super::label::CourseLabel;
 use super::machine::{Cutter, Edges};
 use crate::planning::geometry::Point2;
 use crate::planning::geometry::simplify::kept;
@@ -29,8 +30,8 @@ pub struct Knot {
 /// What a knife does between going down and coming up.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stroke {
-    /// Number of the course.
-    pub course: u32,
+    /// What its course is called.
+    pub course: CourseLabel,
     /// Reading of the tape axis in mm at which the knife stands over u = 0 of its piece.
     pub x_of_u0: f64,
     /// At least two knots, x never decreasing.
@@ -50,7 +51,13 @@ pub fn period_deg(edges: Edges) -> f64 {
 ///
 /// `x_of_r0` is the reading of the tape axis at which the knife stands over u = 0 of the piece.
 #[must_use]
-pub fn strokes(chain: &Chain, course: u32, cutter: &Cutter, x_of_u0: f64, tolerance_mm: f64) -> Vec<Stroke> {
+pub fn strokes(
+    chain: &Chain,
+    course: CourseLabel,
+    cutter: &Cutter,
+    x_of_u0: f64,
+    tolerance_mm: f64,
+) -> Vec<Stroke> {
     // An axis beside its edge leads in the direction of the cut, which half a turn changes.
     let period = if cutter.swivels() { 360.0 } else { period_deg(cutter.edges) };
     let segments = segments(&thinned(chain, tolerance_mm), period);
@@ -146,7 +153,7 @@ mod tests {
     fn first_blade(list: &[(f64, f64)]) -> f64 {
         let points: Vec<_> = list.iter().map(|&(u, v)| Point2::new(u, v)).collect();
         let chain = &split(0, &points, 37.5)[0];
-        strokes(chain, 1, &cutter(), 0.0, 0.01)[0].knots[0].blade_deg
+        strokes(chain, 1.into(), &cutter(), 0.0, 0.01)[0].knots[0].blade_deg
     }
 
     #[test]
@@ -162,7 +169,7 @@ mod tests {
     fn a_sharp_corner_starts_a_new_stroke_and_a_blunt_one_does_not() {
         let points: Vec<_> =
             [(30.0, -10.0), (20.0, 0.0), (19.0, 10.0), (17.0, 20.0)].map(|(u, v)| Point2::new(u, v)).to_vec();
-        let made = strokes(&split(0, &points, 37.5)[0], 1, &cutter(), 100.0, 0.01);
+        let made = strokes(&split(0, &points, 37.5)[0], 1.into(), &cutter(), 100.0, 0.01);
         assert_eq!(made.iter().map(|stroke| stroke.knots.len()).collect::<Vec<_>>(), [2, 3]);
         assert_eq!(made[0].knots[0].x, 70.0);
         assert_eq!(made[1].knots[0].x, made[0].knots[1].x);
@@ -171,7 +178,7 @@ mod tests {
     #[test]
     fn the_blade_turns_the_shortest_way_and_stays_in_its_range() {
         let stroke = |from: f64, to: f64| Stroke {
-            course: 1,
+            course: 1.into(),
             x_of_u0: 0.0,
             knots: vec![Knot { x: 0.0, v: 0.0, blade_deg: from }, Knot { x: 1.0, v: 0.0, blade_deg: to }],
         };

@@ -8,6 +8,7 @@
 use std::collections::{BTreeSet, VecDeque};
 
 use super::beam::{Beam, Conflict, Task};
+use super::label::CourseLabel;
 use super::machine::{Cutter, Machine};
 use super::stroke::{DECIMALS, Knot, Stroke, nearest, period_deg};
 use crate::planning::finding::{Code, Finding};
@@ -134,7 +135,7 @@ struct Merge<'a> {
     carriages: Vec<Carriage<'a>>,
     beam: Option<Beam>,
     pose: Pose,
-    begun: BTreeSet<u32>,
+    begun: BTreeSet<CourseLabel>,
     program: TapeProgram,
 }
 
@@ -262,15 +263,15 @@ impl<'a> Merge<'a> {
 
     /// A label where the first knife goes down for a course.
     fn begin_course(&mut self, k: usize) {
-        let Some(number) = self.carriages[k].strokes.front().map(|stroke| stroke.course) else { return };
-        if !self.begun.insert(number) {
+        let Some(label) = self.carriages[k].strokes.front().map(|stroke| stroke.course) else { return };
+        if !self.begun.insert(label) {
             return;
         }
         let restartable = self.carriages.iter().all(|carriage| carriage.cutting.is_none());
         if restartable && self.machine.optional_stop_per_course {
             self.push(Step::OptionalStop);
         }
-        self.push(Step::Course { number, restartable });
+        self.push(Step::Course { label, restartable });
     }
 
     /// Turns the blade angles of the next stroke by whole periods so that the blade has the shortest way there.

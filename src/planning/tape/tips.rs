@@ -36,6 +36,9 @@ pub enum TipKind {
 /// A tip that two knives cut.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Tip {
+    /// Number of the ply, where there are several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ply: Option<u32>,
     /// Number of the course.
     pub course: u32,
     /// Piece of the course, from 1.
@@ -74,7 +77,8 @@ pub fn tips(plan: &TapePlan, machine: &Machine) -> Vec<Tip> {
             for (one, other) in meeting(piece) {
                 let both = [TipKind::Greater, TipKind::Less];
                 let found = both.map(|kind| tip(piece, (one, other), kind, plan.figures.lead_mm, machine));
-                let named = |tip| Tip { course: course.number, piece: index + 1, ..tip };
+                let named =
+                    |tip| Tip { ply: course.label.ply, course: course.label.number, piece: index + 1, ..tip };
                 tips.extend(found.into_iter().flatten().map(named));
             }
         }
@@ -137,6 +141,7 @@ fn tip(
     let lateral_mm = cutters.iter().map(|cutter| cutter.lateral_error.mm()).sum();
     let radius = |spool: &super::spool::Spool| spool.radius_mm(x) / spool.roll_radius_mm;
     Some(Tip {
+        ply: None,
         course: 0,
         piece: 0,
         cut: one.cut,

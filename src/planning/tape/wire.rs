@@ -7,10 +7,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::planning::document::shape::{Field, Shape, optional, required};
 
+mod plies;
 mod points;
 mod spool;
 mod words;
 
+pub use self::plies::{MOST_PLIES, Ply, PlyFields};
 pub use self::points::Points;
 pub use self::spool::Spool;
 pub use self::words::{KnifeWords, UltrasonicWords, Words};
@@ -45,8 +47,9 @@ const LARGEST_OUTPUT: i64 = 63;
 pub struct TapeCut {
     /// The tape.
     pub tape: Tape,
-    /// The ply's outline.
-    pub boundary: Outline,
+    /// The outline of its one ply.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub boundary: Option<Outline>,
     /// Its cut-outs.
     #[serde(default)]
     pub holes: Vec<Outline>,
@@ -56,6 +59,9 @@ pub struct TapeCut {
     /// A rule that generates the courses of a flat ply.
     #[serde(default)]
     pub courses: Option<Courses>,
+    /// In place of these four: the plies of the roll in laying order.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plies: Option<Vec<Ply>>,
     /// The machine: a name, or a whole profile.
     pub machine: MachineReference,
     /// What may be chosen.
@@ -185,6 +191,9 @@ pub struct Options {
     /// The course from which on the program goes, if not from the start.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub from_course: Option<u32>,
+    /// The ply that this course is of, from 1, where there are several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub from_ply: Option<u32>,
     /// The same moves with knives up and the generator off.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub dry_run: bool,
@@ -201,6 +210,7 @@ impl Default for Options {
             tolerance_mm: crate::planning::tolerance::CHORD_MM,
             shortest_piece_mm: None,
             from_course: None,
+            from_ply: None,
             dry_run: false,
         }
     }
@@ -436,6 +446,13 @@ const TRACK: Shape = Shape::Object(&[
     required("number", Shape::Integer { min: 1, max: LARGEST_NUMBER as i64 }),
     required("points", Shape::Array { item: &TRACK_POINT, min: 0, max: MOST_POINTS }),
 ]);
+const HOLES: Shape = Shape::Array { item: &OUTLINE, min: 0, max: MOST_LOOPS };
+const TRACKS: Shape = Shape::ArrayOrFile(&Shape::Array { item: &TRACK, min: 1, max: MOST_LOOPS });
+const COURSES: Shape = Shape::Object(&[
+    required("angle_deg", Shape::Number { min: -360.0, max: 360.0 }),
+    optional("gap_mm", Shape::Number { min: -100.0, max: 10_000.0 }),
+    optional("offset_mm", COORDINATE),
+]);
 const RATE: Shape = Shape::Positive { max: LARGEST_RATE };
 const COORDINATE: Shape = Shape::Number { min: -LARGEST_MM, max: LARGEST_MM };
 const DWELL: Shape = Shape::Number { min: 0.0, max: LONGEST_DWELL_S };
@@ -531,17 +548,11 @@ pub const TAPE_CUT: &[Field] = &[
             ),
         ]),
     ),
-    required("boundary", OUTLINE),
-    optional("holes", Shape::Array { item: &OUTLINE, min: 0, max: MOST_LOOPS }),
-    optional("tracks", Shape::ArrayOrFile(&Shape::Array { item: &TRACK, min: 1, max: MOST_LOOPS })),
-    optional(
-        "courses",
-        Shape::Object(&[
-            required("angle_deg", Shape::Number { min: -360.0, max: 360.0 }),
-            optional("gap_mm", Shape::Number { min: -100.0, max: 10_000.0 }),
-            optional("offset_mm", COORDINATE),
-        ]),
-    ),
+    optional("boundary", OUTLINE),
+    optional("holes", HOLES),
+    optional("tracks", TRACKS),
+    optional("courses", COURSES),
+    optional("plies", plies::PLIES),
     required("machine", Shape::TextOr { max_chars: 64, shape: &MACHINE_PROFILE }),
     optional(
         "options",
@@ -554,6 +565,7 @@ pub const TAPE_CUT: &[Field] = &[
             optional("tolerance_mm", Shape::Number { min: 0.001, max: 1.0 }),
             optional("shortest_piece_mm", Shape::Positive { max: LARGEST_MM }),
             optional("from_course", Shape::Integer { min: 1, max: 1_000_000 }),
+            optional("from_ply", Shape::Integer { min: 1, max: MOST_PLIES as i64 }),
             optional("dry_run", Shape::Boolean),
         ]),
     ),

@@ -12,6 +12,7 @@ use bladeplan::planning::program::moves::{Pose, Step, TapeProgram};
 use bladeplan::planning::program::nc::emit::emit;
 use bladeplan::planning::program::nc::read::read;
 use bladeplan::planning::program::number::rounded;
+use bladeplan::planning::tape::label::CourseLabel;
 use bladeplan::planning::tape::machine::{Catalogue, Machine, check, two_cutter_lab};
 use proptest::prelude::*;
 use serde_json::json;
@@ -42,6 +43,10 @@ fn digits(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     range.prop_map(|value| rounded(value, 4))
 }
 
+fn label() -> impl Strategy<Value = CourseLabel> {
+    (prop::option::of(1_u32..9), 1_u32..100).prop_map(|(ply, number)| CourseLabel { ply, number })
+}
+
 fn step() -> impl Strategy<Value = Step> {
     let lateral = proptest::array::uniform2(digits(-170.0..170.0));
     let blade = proptest::array::uniform2(digits(-360.0..360.0));
@@ -56,7 +61,7 @@ fn step() -> impl Strategy<Value = Step> {
         3 => (0_usize..2, any::<bool>()).prop_map(|(cutter, down)| Step::Knife { cutter, down }),
         1 => any::<bool>().prop_map(|on| Step::Ultrasonic { on }),
         2 => digits(0.001..10.0).prop_map(|seconds| Step::Dwell { seconds }),
-        1 => (1_u32..100, any::<bool>()).prop_map(|(number, restartable)| Step::Course { number, restartable }),
+        1 => (label(), any::<bool>()).prop_map(|(label, restartable)| Step::Course { label, restartable }),
         1 => Just(Step::OptionalStop),
     ]
 }
@@ -185,6 +190,21 @@ fn the_example_agrees_with_our_reader() {
         plan(&document::read(&job).unwrap(), &Files::default(), &Catalogue::built_in(), &Budget::unwatched())
             .unwrap();
     agrees(&planned.programs[0].text).unwrap();
+}
+
+#[test]
+fn every_roll_of_two_plies_agrees_with_our_reader() {
+    let agree = |(one, other): (Ply, Ply)| {
+        let planned =
+            plan_job(&one.job_with(&other), &json!("two-cutter-lab"), &json!({"allocation": "free"}));
+        planned.unwrap().programs.iter().try_for_each(|program| agrees(&program.text))
+    };
+    runner(10).run(&(plies(), plies()), agree).unwrap();
+    let example = job("examples/two-plies.job.json");
+    for options in [json!(null), json!({"allocation": "free", "from_ply": 2, "from_course": 3})] {
+        let planned = plan_job(&example, &json!("two-cutter-lab"), &options).unwrap();
+        agrees(&planned.programs[0].text).unwrap();
+    }
 }
 
 #[test]

@@ -7,6 +7,7 @@ use super::dialect::{Language, Switched, language};
 use crate::planning::outcome::PLANNER_VERSION;
 use crate::planning::program::moves::{Pose, Step, TapeProgram};
 use crate::planning::program::number::{fixed, rounded};
+use crate::planning::tape::label::CourseLabel;
 use crate::planning::tape::machine::{Feed, Machine};
 use crate::planning::tape::stroke::DECIMALS;
 
@@ -88,16 +89,17 @@ impl Writer<'_> {
             Step::Knife { cutter, down } => self.switch(Switched::Knife(cutter), down),
             Step::Ultrasonic { on } => self.switch(Switched::Ultrasonic, on),
             Step::Dwell { seconds } => self.dwell(seconds),
-            Step::Course { number, restartable } => self.course(number, restartable),
+            Step::Course { label, restartable } => self.course(label, restartable),
             Step::OptionalStop => self.block(&(self.language.optional_stop)(self.machine)),
         }
     }
 
-    fn course(&mut self, number: u32, restartable: bool) {
+    fn course(&mut self, label: CourseLabel, restartable: bool) {
+        let course = format!("COURSE {label}").to_ascii_uppercase();
         if !restartable {
-            return self.comment(&format!("COURSE {number}, A KNIFE IS DOWN, NO RESTART HERE"));
+            return self.comment(&format!("{course}, A KNIFE IS DOWN, NO RESTART HERE"));
         }
-        self.comment(&format!("COURSE {number}, RESTART HERE"));
+        self.comment(&format!("{course}, RESTART HERE"));
         self.modes();
         self.restore();
     }

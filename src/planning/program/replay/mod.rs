@@ -24,6 +24,7 @@ use serde::{Deserialize, Serialize};
 
 use super::events::Executed;
 use crate::planning::finding::Finding;
+use crate::planning::tape::label::CourseLabel;
 use crate::planning::tape::machine::Machine;
 use faults::Faults;
 use strokes::Stroke;
@@ -31,8 +32,8 @@ use strokes::Stroke;
 /// A cut that the plan wants, in roll coordinates, as it was developed: not thinned, not ordered.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WantedCut {
-    /// Number of the course.
-    pub course: u32,
+    /// What its course is called.
+    pub course: CourseLabel,
     /// Points (r, v) in mm: r = u + the piece's roll offset. Cutter k stands over r when the U axis reads
     /// `lead_mm - r + station_mm` of k.
     pub points: Vec<[f64; 2]>,

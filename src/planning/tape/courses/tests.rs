@@ -1,5 +1,6 @@
 use proptest::prelude::*;
 
+use super::super::label::PlyPlace;
 use super::*;
 
 fn ply(points: &[(f64, f64)]) -> Loop {
@@ -12,8 +13,13 @@ fn rule(angle_deg: f64, gap_mm: f64, offset_mm: f64) -> wire::Courses {
 
 /// Start and end of each course of a rule on a ply.
 fn laid(rule: wire::Courses, width: f64, outline: &Loop) -> Vec<[[f64; 2]; 2]> {
-    let courses = generate(&rule, Length::from_mm(width), outline, &[]).unwrap();
-    assert!(courses.iter().enumerate().all(|(i, course)| course.number == i as u32 + 1 && course.index == i));
+    let courses = generate(&rule, Length::from_mm(width), PlyPlace::default(), outline, &[]).unwrap();
+    assert!(
+        courses
+            .iter()
+            .enumerate()
+            .all(|(i, course)| course.label.number == i as u32 + 1 && course.place.index == i)
+    );
     courses.iter().map(|course| [0, 1].map(|i| [course.points[i].x, course.points[i].y])).collect()
 }
 
@@ -101,7 +107,9 @@ fn a_tilted_ply_has_its_courses_in_its_plane_and_its_normals_up() {
         if reversed {
             outline.reverse();
         }
-        let courses = generate(&rule(0.0, 0.0, 0.0), Length::from_mm(80.0), &outline, &[]).unwrap();
+        let courses =
+            generate(&rule(0.0, 0.0, 0.0), Length::from_mm(80.0), PlyPlace::default(), &outline, &[])
+                .unwrap();
         assert_eq!(courses.len(), 2);
         let first = turn.inverse() * courses[0].points[0];
         assert!((first - Point3::new(0.0, 40.0, 0.0)).norm() < 1e-9, "{first}");
@@ -112,7 +120,7 @@ fn a_tilted_ply_has_its_courses_in_its_plane_and_its_normals_up() {
 #[test]
 fn what_no_courses_can_be_generated_for_is_refused_in_words() {
     let refused = |rule: wire::Courses, outline: &Loop, holes: &[Loop]| {
-        let fault = generate(&rule, Length::from_mm(75.0), outline, holes).unwrap_err();
+        let fault = generate(&rule, Length::from_mm(75.0), PlyPlace::default(), outline, holes).unwrap_err();
         (fault.code, fault.at)
     };
     let mut bent = rectangle();
@@ -144,7 +152,7 @@ proptest! {
             Point3::new(radius * turn.cos(), radius * turn.sin(), 0.0)
         };
         let outline: Loop = radii.iter().enumerate().map(corner).collect();
-        let courses = generate(&rule(angle, 0.0, offset), Length::from_mm(width), &outline, &[]).unwrap();
+        let courses = generate(&rule(angle, 0.0, offset), Length::from_mm(width), PlyPlace::default(), &outline, &[]).unwrap();
         let steps = outline.iter().zip(outline.iter().cycle().skip(1));
         let points = steps.flat_map(|(a, b)| (0..10).map(move |k| a + (b - a) * (f64::from(k) / 10.0)));
         for point in points {

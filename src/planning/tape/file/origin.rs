@@ -1,19 +1,20 @@
 //! Where the points of an input stand that were read from files: findings then name a line, not a place in the job
 //! document at which there is nothing.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::planning::finding::Finding;
+use crate::planning::tape::label::PlyPlace;
 
 /// Where everything stands that is not in the job document itself.
 #[derive(Debug, Clone, Default)]
 pub struct Origins {
     /// By the JSON pointer of the outline.
     outlines: BTreeMap<String, Origin>,
-    /// By the index of the course.
-    tracks: Vec<Origin>,
-    /// Whether the courses were generated.
-    generated: bool,
+    /// By the JSON pointer of the ply and the index of the course.
+    tracks: BTreeMap<String, Vec<Origin>>,
+    /// The JSON pointers of the plies whose courses were generated.
+    generated: BTreeSet<String>,
 }
 
 /// Where an outline or a course stands in a file.
@@ -28,10 +29,9 @@ pub struct Origin {
 }
 
 impl Origins {
-    /// The courses come from a rule, whose place stands for theirs.
-    #[must_use]
-    pub fn of_generated_courses() -> Self {
-        Self { generated: true, ..Self::default() }
+    /// Says that the courses of a ply come from a rule, whose place stands for theirs.
+    pub fn generated(&mut self, ply: PlyPlace) {
+        self.generated.insert(ply.to_string());
     }
 
     /// Says that an outline, by its JSON pointer, stands in a file.
@@ -39,20 +39,21 @@ impl Origins {
         self.outlines.insert(at, origin);
     }
 
-    /// Says that the courses stand in a file, in this order.
-    pub fn tracks(&mut self, origins: Vec<Origin>) {
-        self.tracks = origins;
+    /// Says that the courses of a ply stand in a file, in this order.
+    pub fn tracks(&mut self, ply: PlyPlace, origins: Vec<Origin>) {
+        self.tracks.insert(ply.to_string(), origins);
     }
 
-    /// These and what is known of the courses in `other`.
+    /// These and what is known of generated courses in `other`.
     #[must_use]
-    pub fn with(self, other: &Self) -> Self {
-        Self { generated: self.generated || other.generated, ..self }
+    pub fn with(mut self, other: &Self) -> Self {
+        self.generated.extend(other.generated.iter().cloned());
+        self
     }
 
     /// Puts the place in a file for each place that was read from one, in `at` and in the words.
     pub fn relocate(&self, findings: &mut [Finding]) {
-        if self.outlines.is_empty() && self.tracks.is_empty() && !self.generated {
+        if self.outlines.is_empty() && self.tracks.is_empty() && self.generated.is_empty() {
             return;
         }
         for finding in findings {
@@ -78,11 +79,15 @@ impl Origins {
 
     fn place(&self, pointer: &str) -> Option<String> {
         let mut parts = pointer.strip_prefix("/input/")?.split('/');
-        match parts.next()? {
-            "boundary" => self.outlines.get("/input/boundary")?.place(parts),
-            "holes" => self.outlines.get(&format!("/input/holes/{}", parts.next()?))?.place(parts),
-            "tracks" if self.generated => Some("/input/courses".to_owned()),
-            "tracks" => self.tracks.get(parts.next()?.parse::<usize>().ok()?)?.place(parts),
+        let (mut ply, mut field) = ("/input".to_owned(), parts.next()?);
+        if field == "plies" {
+            (ply, field) = (format!("/input/plies/{}", parts.next()?), parts.next()?);
+        }
+        match field {
+            "boundary" => self.outlines.get(&format!("{ply}/boundary"))?.place(parts),
+            "holes" => self.outlines.get(&format!("{ply}/holes/{}", parts.next()?))?.place(parts),
+            "tracks" if self.generated.contains(&ply) => Some(format!("{ply}/courses")),
+            "tracks" => self.tracks.get(&ply)?.get(parts.next()?.parse::<usize>().ok()?)?.place(parts),
             _ => None,
         }
     }
@@ -117,7 +122,10 @@ mod tests {
         let mut origins = Origins::default();
         origins.outline("/input/boundary".into(), origin("b.txt", 1, &[3, 4]));
         origins.outline("/input/holes/1".into(), origin("h.txt", 7, &[8]));
-        origins.tracks(vec![origin("t.txt", 2, &[3, 5])]);
+        origins.tracks(PlyPlace::default(), vec![origin("t.txt", 2, &[3, 5])]);
+        origins.outline("/input/plies/1/boundary".into(), origin("p.txt", 1, &[30, 40]));
+        origins.outline("/input/plies/1/holes/0".into(), origin("p.txt", 50, &[51]));
+        origins.tracks(PlyPlace::listed(1, true), vec![origin("u.txt", 6, &[7])]);
         for (pointer, place) in [
             ("/input/boundary/points/1", "b.txt:4"),
             ("/input/boundary/points", "b.txt:1"),
@@ -130,6 +138,12 @@ mod tests {
             ("/input/tracks/4", "/input/tracks/4"),
             ("/input/tracks", "/input/tracks"),
             ("/input/boundary/layers", "/input/boundary/layers"),
+            ("/input/plies/1/boundary/points/1", "p.txt:40"),
+            ("/input/plies/1/holes/0/points", "p.txt:50"),
+            ("/input/plies/1/tracks/0/points/0", "u.txt:7"),
+            ("/input/plies/0/boundary/points/1", "/input/plies/0/boundary/points/1"),
+            ("/input/plies/1", "/input/plies/1"),
+            ("/input/plies", "/input/plies"),
             ("", ""),
         ] {
             let message = format!("see {pointer}, near");
@@ -142,10 +156,18 @@ mod tests {
 
     #[test]
     fn a_generated_course_stands_at_its_rule() {
-        let mut findings = [Finding::info(Code::CourseOffPly, "/input/tracks/3/points/1", "x")];
-        Origins::of_generated_courses().relocate(&mut findings);
-        assert_eq!(findings[0].at, "/input/courses");
+        let generated = |ply: PlyPlace| {
+            let mut origins = Origins::default();
+            origins.generated(ply);
+            Origins::default().with(&origins)
+        };
+        let pointers = ["/input/tracks/3/points/1", "/input/plies/0/tracks/1", "/input/plies/1/tracks/1"];
+        let mut findings = pointers.map(|at| Finding::info(Code::CourseOffPly, at, "x"));
+        for ply in [PlyPlace::default(), PlyPlace::listed(1, true)] {
+            generated(ply).relocate(&mut findings);
+        }
         Origins::default().relocate(&mut findings);
-        assert_eq!(findings[0].at, "/input/courses");
+        let places = findings.map(|finding| finding.at);
+        assert_eq!(places, ["/input/courses", "/input/plies/0/tracks/1", "/input/plies/1/courses"]);
     }
 }

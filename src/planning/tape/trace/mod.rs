@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::input::TapeInput;
+use super::label::CourseLabel;
 use super::machine::{Cutter, Machine};
 use super::plan::{PlannedCourse, TapePlan};
 use super::stroke::{DECIMALS, Knot, Stroke};
@@ -30,6 +31,9 @@ pub struct PlantedTrace {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TraceCourse {
+    /// The ply that it is of, from 1, where there are several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ply: Option<u32>,
     /// Its number.
     pub number: u32,
     /// Its points: x, y, z in mm and the mould's outward unit normal.
@@ -67,26 +71,27 @@ pub struct TraceCut {
 /// Plants the cuts of a plan into its trace.
 #[must_use]
 pub fn planted(plan: &TapePlan, strokes: &[Vec<Stroke>], input: &TapeInput) -> PlantedTrace {
-    let mut of_courses: BTreeMap<u32, Vec<(&Cutter, &Stroke)>> = BTreeMap::new();
+    let mut of_courses: BTreeMap<CourseLabel, Vec<(&Cutter, &Stroke)>> = BTreeMap::new();
     for (cutter, strokes) in input.machine.cutters.iter().zip(strokes) {
         for stroke in strokes {
             of_courses.entry(stroke.course).or_default().push((cutter, stroke));
         }
     }
     let courses = plan.courses.iter().map(|course| {
-        let strokes = of_courses.remove(&course.number).unwrap_or_default();
+        let strokes = of_courses.remove(&course.label).unwrap_or_default();
         let planted = strokes.into_iter().map(|(cutter, stroke)| {
             // A stroke knows where its piece lies; two pieces of a course never lie at one place.
             let offset_mm = plan.figures.lead_mm + cutter.station.mm() - stroke.x_of_u0;
             trace_stroke(stroke, piece_at(course, offset_mm), cutter, &input.machine)
         });
-        TraceCourse { number: course.number, points: points(course, input), strokes: planted.collect() }
+        let CourseLabel { ply, number } = course.label;
+        TraceCourse { ply, number, points: points(course, input), strokes: planted.collect() }
     });
     PlantedTrace { courses: courses.collect() }
 }
 
 fn points(course: &PlannedCourse, input: &TapeInput) -> Vec<[f64; 6]> {
-    let traced = input.courses.get(course.index);
+    let traced = input.ply(course.place.ply).and_then(|ply| ply.courses.get(course.place.index));
     let pairs = traced.into_iter().flat_map(|traced| traced.points.iter().zip(&traced.normals));
     let place = |value: f64| rounded(value, PLACE_DECIMALS);
     pairs.map(|(at, n)| [at.x, at.y, at.z, n.x, n.y, n.z].map(place)).collect()

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! trace  = "BLADEPLAN-TRACE 1" course*
-//! course = "COURSE" number  ("P" x y z nx ny nz)+  stroke*  "END"
+//! course = "COURSE" number ["PLY" ply]  ("P" x y z nx ny nz)+  stroke*  "END"
 //! stroke = "DOWN" piece cutter u v  ("CUT" u v blade feed)+  "UP"
 //! ```
 //!
@@ -19,7 +19,8 @@ const HEADER: &str = "BLADEPLAN-TRACE 1";
 pub fn write(trace: &PlantedTrace) -> String {
     let mut text = format!("{HEADER}\n");
     for course in &trace.courses {
-        text.push_str(&format!("COURSE {}\n", course.number));
+        let ply = course.ply.map_or(String::new(), |ply| format!(" PLY {ply}"));
+        text.push_str(&format!("COURSE {}{ply}\n", course.number));
         for point in &course.points {
             write_line("P", point, PLACE_DECIMALS, &mut text);
         }
@@ -87,8 +88,12 @@ impl Reader {
             (Part::Front, _) if line == HEADER => self.part = Part::Between,
             (Part::Front, _) => return Err(format!("a planted trace begins with {HEADER}")),
             (Part::Between, "COURSE") => {
-                let number = whole(rest)?;
-                self.trace.courses.push(TraceCourse { number, points: Vec::new(), strokes: Vec::new() });
+                let (number, ply) = match rest.split_once(" PLY ") {
+                    Some((number, ply)) => (number, Some(whole(ply)?)),
+                    None => (rest, None),
+                };
+                let number = whole(number)?;
+                self.trace.courses.push(TraceCourse { ply, number, points: Vec::new(), strokes: Vec::new() });
                 self.part = Part::Course;
             }
             (Part::Course, "P") if self.course().strokes.is_empty() => {
@@ -169,6 +174,10 @@ mod tests {
         let cut = TraceCut { to: [362.5, 37.5], blade_deg: 45.0, feed_mm_s: 14.1421 };
         assert_eq!(stroke.cuts, [cut]);
         assert_eq!(write(&trace), TEXT);
+        let of_ply = TEXT.replace("COURSE 7", "COURSE 7 PLY 2");
+        let trace_of_ply = read(&of_ply).unwrap();
+        assert_eq!((trace_of_ply.courses[0].ply, trace_of_ply.courses[0].number), (Some(2), 7));
+        assert_eq!(write(&trace_of_ply), of_ply);
         assert_eq!(read(&TEXT.replace('\n', " # said\r\n\n")).unwrap(), trace);
     }
 
@@ -177,6 +186,8 @@ mod tests {
         for (from, to, told) in [
             ("BLADEPLAN-TRACE 1", "COURSE 1", "line 1: a planted trace begins"),
             ("COURSE 7", "COURSE x", "line 2: \"x\" is no whole number"),
+            ("COURSE 7", "COURSE 7 PLY two", "line 2: \"two\" is no whole number"),
+            ("COURSE 7", "COURSE 7 2", "line 2: \"7 2\" is no whole number"),
             ("P 0.0 1.5 -2.25 0.0 0.0 1.0", "P 0 1 2", "line 3: 6 numbers are needed, 3 stand here"),
             ("P 0.0", "P inf", "line 3: \"inf"),
             ("DOWN 1 2 400.0 0.0", "DOWN 1 2", "line 4: DOWN takes"),

@@ -1,4 +1,4 @@
-//! The points of a ply: most of a large document, read and handled apart from the rest.
+//! The points of plies: most of a large document, read and handled apart from the rest.
 
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{MapAccess, SeqAccess, Visitor};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Deserializer};
 
 use super::{LARGEST_MM, MOST_POINTS, Outline, TapeCut, Track, TrackPoint, Tracks};
 
-/// All points of a ply, taken out of its input: of the boundary, the cut-outs and the courses.
+/// All points of the plies of an input, taken out of it: of the boundaries, the cut-outs and the courses.
 #[derive(Debug)]
 pub struct Points {
     outlines: Vec<Option<Vec<[f64; 3]>>>,
@@ -28,14 +28,21 @@ impl TapeCut {
             let within = track.points.iter().all(|point| fits(&point.position) && fits(&point.normal));
             track.points.len() <= MOST_POINTS && within
         };
-        std::iter::once(&self.boundary).chain(&self.holes).all(outline) && self.listed().iter().all(course)
+        self.outlines().all(outline) && self.listed().all(course)
     }
 
-    fn listed(&self) -> &[Track] {
-        match &self.tracks {
-            Some(Tracks::Listed(tracks)) => tracks,
-            _ => &[],
-        }
+    fn outlines(&self) -> impl Iterator<Item = &Outline> {
+        let listed = self.plies.iter().flatten();
+        let of_plies = listed.flat_map(|ply| std::iter::once(&ply.boundary).chain(&ply.holes));
+        self.boundary.iter().chain(&self.holes).chain(of_plies)
+    }
+
+    fn listed(&self) -> impl Iterator<Item = &Track> {
+        let of_plies = self.plies.iter().flatten().filter_map(|ply| ply.tracks.as_ref());
+        self.tracks.iter().chain(of_plies).flat_map(|tracks| match tracks {
+            Tracks::Listed(tracks) => tracks.as_slice(),
+            Tracks::File { .. } => &[],
+        })
     }
 
     /// Takes all points out and leaves empty lists in their place.
@@ -56,14 +63,17 @@ impl TapeCut {
     }
 
     fn outlines_mut(&mut self) -> impl Iterator<Item = &mut Outline> {
-        std::iter::once(&mut self.boundary).chain(&mut self.holes)
+        let listed = self.plies.iter_mut().flatten();
+        let of_plies = listed.flat_map(|ply| std::iter::once(&mut ply.boundary).chain(&mut ply.holes));
+        self.boundary.iter_mut().chain(&mut self.holes).chain(of_plies)
     }
 
     fn courses_mut(&mut self) -> impl Iterator<Item = &mut Track> {
-        match &mut self.tracks {
-            Some(Tracks::Listed(tracks)) => tracks.iter_mut(),
-            _ => [].iter_mut(),
-        }
+        let of_plies = self.plies.iter_mut().flatten().filter_map(|ply| ply.tracks.as_mut());
+        self.tracks.iter_mut().chain(of_plies).flat_map(|tracks| match tracks {
+            Tracks::Listed(tracks) => tracks.as_mut_slice(),
+            Tracks::File { .. } => &mut [],
+        })
     }
 }
 

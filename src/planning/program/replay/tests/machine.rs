@@ -13,7 +13,7 @@ fn square(before: &str, between: &str, after: &str) -> String {
 }
 
 fn across() -> Vec<WantedCut> {
-    vec![WantedCut { course: 3, points: vec![[0.0, -37.5], [0.0, 37.5]] }]
+    vec![WantedCut { course: 3.into(), points: vec![[0.0, -37.5], [0.0, 37.5]] }]
 }
 
 fn found(machine: &Machine, text: &str) -> Vec<(Code, String)> {
@@ -158,7 +158,7 @@ fn events_without_an_end_and_places_off_the_world_are_answered() {
         Event::Move { from: [0.0; 9], to: far, cruise_s: Some(1.0) },
     ]
     .map(|event| Executed { line: 1, event });
-    let wanted = [WantedCut { course: 1, points: vec![[0.0, 0.0], [f64::NAN, 0.0]] }];
+    let wanted = [WantedCut { course: 1.into(), points: vec![[0.0, 0.0], [f64::NAN, 0.0]] }];
     let setup = ReplaySetup {
         program: "p",
         machine: &machine,

@@ -38,7 +38,7 @@ fn lab() -> Machine {
 }
 
 fn tip() -> Vec<WantedCut> {
-    vec![WantedCut { course: 7, points: vec![[0.0, 37.5], [30.0, 0.0], [0.0, -37.5]] }]
+    vec![WantedCut { course: 7.into(), points: vec![[0.0, 37.5], [30.0, 0.0], [0.0, -37.5]] }]
 }
 
 /// Reads and replays; a reader's faults count as findings.
@@ -78,7 +78,8 @@ fn a_tip_written_by_hand_passes() {
 
 #[test]
 fn a_mirrored_tip_does_not() {
-    let mirrored = vec![WantedCut { course: 7, points: vec![[30.0, 37.5], [0.0, 0.0], [30.0, -37.5]] }];
+    let mirrored =
+        vec![WantedCut { course: 7.into(), points: vec![[30.0, 37.5], [0.0, 0.0], [30.0, -37.5]] }];
     let (figures, findings) = replay_text(&lab(), TIP, &mirrored);
     // The two legs of each cross one of the other's.
     assert!(figures.uncut_mm > 90.0 && figures.unwanted_mm > 90.0, "{figures:?}");

@@ -15,7 +15,7 @@ type Points = Vec<[f64; 2]>;
 fn compared(wanted: &[Points], made: &[Points]) -> (Compared, Vec<Finding>) {
     let machine = lab();
     let wanted: Vec<_> =
-        wanted.iter().map(|points| WantedCut { course: 1, points: points.clone() }).collect();
+        wanted.iter().map(|points| WantedCut { course: 1.into(), points: points.clone() }).collect();
     let strokes: Vec<_> = made.iter().map(|points| stroke(points)).collect();
     let setup = ReplaySetup {
         program: "p",
@@ -198,7 +198,8 @@ proptest! {
 #[test]
 fn missing_cuts_of_two_courses_are_told_apart() {
     let machine = lab();
-    let cut = |course, to: f64| WantedCut { course, points: vec![[0.0, 0.0], [20.0, to]] };
+    let cut =
+        |course: u32, to: f64| WantedCut { course: course.into(), points: vec![[0.0, 0.0], [20.0, to]] };
     let wanted = [cut(4, 30.0), cut(5, -30.0)];
     let setup = ReplaySetup {
         program: "p",
