@@ -1,7 +1,7 @@
 //! Approval and revocation of programs.
 
 use super::audit::{self, Deed};
-use super::programs::with_purpose;
+use super::programs::{state_and_purpose, with_purpose};
 use super::{Error, Result, Store, Writing};
 use crate::job::id::ProgramId;
 use crate::job::moment::Moment;
@@ -67,14 +67,8 @@ impl Store {
 }
 
 async fn standing(tx: &mut Writing, id: &ProgramId) -> Result<(Standing, Purpose)> {
-    let row: Option<(String, String, Option<i64>)> =
-        sqlx::query_as("SELECT state, purpose, from_course FROM programs WHERE id = $1")
-            .bind(id.as_str())
-            .fetch_optional(&mut **tx)
-            .await?;
-    let (word, purpose, from_course) = row.ok_or(Error::NotFound)?;
-    let standing = Standing::of(&word).ok_or(Error::NotFound)?;
-    Ok((standing, Purpose::stored(&purpose, from_course)))
+    let (word, purpose) = state_and_purpose(tx, id).await?.ok_or(Error::NotFound)?;
+    Ok((Standing::of(&word).ok_or(Error::NotFound)?, purpose))
 }
 
 /// A program that was planned for no machine has not been held against its limits either.

@@ -5,7 +5,7 @@ use sqlx::sqlite::SqliteConnection;
 
 use super::audit::{self, Deed};
 use super::claims::refuse_other_profile;
-use super::programs::with_purpose;
+use super::programs::{state_and_purpose, with_purpose};
 use super::{Error, Result, Store, Writing};
 use crate::job::entry::{Entry, NewEntry, Units};
 use crate::job::id::{EntryId, ProgramId};
@@ -262,14 +262,9 @@ async fn refuse_unknown_queue(tx: &mut Writing, queue: &str) -> Result<()> {
 /// A draft may wait for its approval in the queue; what was taken back or is damaged will not be approved.
 /// Gives back what it is for.
 async fn refuse_dead_program(tx: &mut Writing, program: &ProgramId) -> Result<Purpose> {
-    let row: Option<(String, String, Option<i64>)> =
-        sqlx::query_as("SELECT state, purpose, from_course FROM programs WHERE id = $1")
-            .bind(program.as_str())
-            .fetch_optional(&mut **tx)
-            .await?;
-    let (state, purpose, from_course) = row.ok_or(Error::NoProgram)?;
+    let (state, purpose) = state_and_purpose(tx, program).await?.ok_or(Error::NoProgram)?;
     if ["draft", "approved"].contains(&state.as_str()) {
-        Ok(Purpose::stored(&purpose, from_course))
+        Ok(purpose)
     } else {
         Err(Error::NotApproved { state })
     }

@@ -297,6 +297,16 @@ async fn quarantine(tx: &mut Writing, id: &ProgramId, name: &str, found: &str, n
     audit::record(tx, &deed).await
 }
 
+/// The word for where a program stands, and what it is for; none if there is no such program.
+pub(super) async fn state_and_purpose(tx: &mut Writing, id: &ProgramId) -> Result<Option<(String, Purpose)>> {
+    let row: Option<(String, String, Option<i64>)> =
+        sqlx::query_as("SELECT state, purpose, from_course FROM programs WHERE id = $1")
+            .bind(id.as_str())
+            .fetch_optional(&mut **tx)
+            .await?;
+    Ok(row.map(|(state, purpose, from_course)| (state, Purpose::stored(&purpose, from_course))))
+}
+
 /// What an audit row says about a program, with what the program is for.
 pub(super) fn with_purpose(mut detail: Value, purpose: Purpose) -> Value {
     detail["purpose"] = json!(purpose);

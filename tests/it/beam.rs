@@ -2,19 +2,14 @@
 
 use std::cell::Cell;
 
-use bladeplan::planning::attempt::check;
-use bladeplan::planning::budget::Budget;
-use bladeplan::planning::document;
-use bladeplan::planning::document::files::Files;
 use bladeplan::planning::finding::{Code, Finding};
-use bladeplan::planning::outcome::{Outcome, ProgramFile, Verdict};
+use bladeplan::planning::outcome::{Outcome, Verdict};
 use bladeplan::planning::program::events::Event;
 use bladeplan::planning::program::nc::read::read;
-use bladeplan::planning::tape::machine::Catalogue;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-use crate::profiles::{job, lab_with, plan_job, refused};
+use crate::profiles::{check_program, job, lab_with, plan_job, refused};
 use crate::random_plies::{Ply, plies};
 use crate::rounds::runner;
 
@@ -148,22 +143,14 @@ fn a_carriage_without_room_to_get_out_of_the_way_is_said() {
     );
 }
 
-fn checked(job: &Value, machine: &Value, text: &str) -> Vec<Finding> {
-    let mut job = job.clone();
-    job["input"]["machine"] = machine.clone();
-    let document = document::from_value(job).unwrap();
-    let file = ProgramFile { name: "roll.ngc".to_owned(), dialect: "linuxcnc", text: text.to_owned() };
-    check(&document, &Files::default(), &Catalogue::built_in(), &[file], &Budget::unwatched()).unwrap().1
-}
-
 #[test]
 fn the_replay_finds_carriages_that_close_in() {
     let (ply, machine) = (ply(&SQUARE_START, &GREATER), beam(20.0, 30.0));
     let text = usable(&ply, &machine, &json!(null)).programs[0].text.clone();
-    assert!(checked(&ply, &machine, &text).is_empty());
+    assert!(check_program(&ply, &machine, &text).is_empty());
     let found = |from: &str, to: &str| -> Vec<String> {
         assert!(text.contains(from), "{from}\n{text}");
-        let found = checked(&ply, &machine, &text.replacen(from, to, 1));
+        let found = check_program(&ply, &machine, &text.replacen(from, to, 1));
         let close = found.into_iter().filter(|finding| finding.code == Code::CarriagesTooClose);
         close.map(|finding| finding.message).collect()
     };
@@ -172,7 +159,7 @@ fn the_replay_finds_carriages_that_close_in() {
     assert!(parked("70.1")[0].contains("come within 29.9000 mm"));
     assert!(parked("100.5")[0].contains("pass one another by 0.5000 mm"));
     // On a machine with a larger distance the same program does not pass.
-    let found = checked(&ply, &beam(20.0, 35.0), &text);
+    let found = check_program(&ply, &beam(20.0, 35.0), &text);
     assert!(found.iter().any(|finding| finding.code == Code::CarriagesTooClose), "{found:?}");
 }
 

@@ -272,21 +272,14 @@ fn a_zone_behind_the_roll_or_off_the_tape_is_said_and_the_sheet_lists_all() {
     assert!(off.message.contains("4000 mm long") && off.message.contains("5000 to 5020 mm"), "{off}");
 }
 
+/// An end that needs more than two knives.
+const ZIGZAG: [[f64; 2]; 7] =
+    [[0.0, -37.5], [0.0, 37.5], [400.0, 37.5], [300.0, 20.0], [390.0, 0.0], [310.0, -20.0], [380.0, -37.5]];
+
 /// Whatever comes of a program that is checked, no place is named at which there is nothing.
 #[test]
 fn what_is_found_while_a_program_is_checked_is_said_at_its_place_in_the_document() {
-    let mut job = ply(
-        &[
-            [0.0, -37.5],
-            [0.0, 37.5],
-            [400.0, 37.5],
-            [300.0, 20.0],
-            [390.0, 0.0],
-            [310.0, -20.0],
-            [380.0, -37.5],
-        ],
-        &[],
-    );
+    let mut job = ply(&ZIGZAG, &[]);
     let input = job["input"].as_object_mut().unwrap();
     input.remove("tracks");
     input.insert("courses".to_owned(), json!({"angle_deg": 0}));
@@ -302,16 +295,7 @@ fn what_is_found_while_a_program_is_checked_is_said_at_its_place_in_the_document
 
 #[test]
 fn what_is_left_to_be_trimmed_stands_on_the_set_up_sheet() {
-    let zigzag = [
-        [0.0, -37.5],
-        [0.0, 37.5],
-        [400.0, 37.5],
-        [300.0, 20.0],
-        [390.0, 0.0],
-        [310.0, -20.0],
-        [380.0, -37.5],
-    ];
-    let mut job = ply(&zigzag, &[0.0]);
+    let mut job = ply(&ZIGZAG, &[0.0]);
     job["input"]["options"] = json!({"on_excess": "simplify"});
     let outcome = planned(&job);
     let simplified = &outcome.report["simplified"][0];

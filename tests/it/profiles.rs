@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use bladeplan::planning::attempt::plan;
+use bladeplan::planning::attempt::{check, plan};
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::catalogue::Profile;
 use bladeplan::planning::document;
 use bladeplan::planning::document::files::Files;
 use bladeplan::planning::finding::{Code, Finding};
-use bladeplan::planning::outcome::Outcome;
+use bladeplan::planning::outcome::{Outcome, ProgramFile};
 use bladeplan::planning::tape::machine::Catalogue;
 use serde_json::{Value, json};
 
@@ -42,6 +42,15 @@ pub fn plan_job(job: &Value, machine: &Value, options: &Value) -> Result<Outcome
     }
     let document = document::from_value(job)?;
     plan(&document, &Files::default(), &Catalogue::built_in(), &Budget::unwatched())
+}
+
+/// What is found where a program is checked against a job on a machine.
+pub fn check_program(job: &Value, machine: &Value, text: &str) -> Vec<Finding> {
+    let mut job = job.clone();
+    job["input"]["machine"] = machine.clone();
+    let document = document::from_value(job).unwrap();
+    let file = ProgramFile { name: "roll.ngc".to_owned(), dialect: "linuxcnc", text: text.to_owned() };
+    check(&document, &Files::default(), &Catalogue::built_in(), &[file], &Budget::unwatched()).unwrap().1
 }
 
 /// Codes and places of the faults for which a job on a machine is refused.

@@ -9,6 +9,7 @@ use bladeplan::planning::outcome::{Outcome, Verdict};
 use bladeplan::planning::tape::machine::Catalogue;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
+use proptest::test_runner::TestCaseError;
 use serde_json::{Value, json};
 
 use crate::rounds::runner;
@@ -149,6 +150,17 @@ fn planned(job: &Value) -> Outcome {
     plan(&document, &Files::default(), &Catalogue::built_in(), &Budget::unwatched()).unwrap()
 }
 
+/// The figures of the replay of a program that can be cut.
+pub fn check_replay(outcome: &Outcome) -> Result<(), TestCaseError> {
+    let replay = &outcome.report["replay"];
+    prop_assert!(replay["max_deviation_mm"].as_f64().unwrap() <= 0.011, "{}", replay);
+    prop_assert!(replay["uncut_mm"].as_f64().unwrap() <= 0.02, "{}", replay);
+    prop_assert!(replay["unwanted_mm"].as_f64().unwrap() <= 0.02, "{}", replay);
+    let (time, bound) = (&outcome.report["time_s"], &outcome.report["bound_time_s"]);
+    prop_assert!(time.as_f64() >= bound.as_f64(), "{} {}", time, bound);
+    Ok(())
+}
+
 #[test]
 fn every_planned_ply_passes_its_replay() {
     let mut usable = 0;
@@ -162,12 +174,7 @@ fn every_planned_ply_passes_its_replay() {
         prop_assert!(errors.iter().all(|finding| finding.code == Code::TooManyKnives), "{:?}", errors);
         prop_assert_eq!(errors.is_empty(), outcome.verdict == Verdict::Usable);
         if errors.is_empty() {
-            let replay = &outcome.report["replay"];
-            prop_assert!(replay["max_deviation_mm"].as_f64().unwrap() <= 0.011, "{}", replay);
-            prop_assert!(replay["uncut_mm"].as_f64().unwrap() <= 0.02, "{}", replay);
-            prop_assert!(replay["unwanted_mm"].as_f64().unwrap() <= 0.02, "{}", replay);
-            let (time, bound) = (&outcome.report["time_s"], &outcome.report["bound_time_s"]);
-            prop_assert!(time.as_f64() >= bound.as_f64(), "{} {}", time, bound);
+            check_replay(&outcome)?;
         }
         Ok(())
     });

@@ -1,17 +1,12 @@
 //! How blades turn: the shortest way, within their range, in the material or with the knife up; and stops on the way.
 
-use bladeplan::planning::attempt::check;
-use bladeplan::planning::budget::Budget;
-use bladeplan::planning::document;
-use bladeplan::planning::document::files::Files;
-use bladeplan::planning::finding::{Code, Finding};
-use bladeplan::planning::outcome::{Outcome, ProgramFile, Verdict};
+use bladeplan::planning::finding::Code;
+use bladeplan::planning::outcome::{Outcome, Verdict};
 use bladeplan::planning::program::events::{Event, Executed};
 use bladeplan::planning::program::nc::read::read;
-use bladeplan::planning::tape::machine::Catalogue;
 use serde_json::{Value, json};
 
-use crate::profiles::{job, lab, lab_with, plan_job};
+use crate::profiles::{check_program, job, lab, lab_with, plan_job};
 use crate::sinumerik::siemens;
 
 const EXAMPLE: &str = "examples/wing-skin-trapezoid-45.job.json";
@@ -20,14 +15,6 @@ fn usable(job: &Value, machine: &Value) -> Outcome {
     let outcome = plan_job(job, machine, &json!(null)).unwrap();
     assert_eq!(outcome.verdict, Verdict::Usable, "{:?}", outcome.findings);
     outcome
-}
-
-fn checked(job: &Value, machine: &Value, text: &str) -> Vec<Finding> {
-    let mut job = job.clone();
-    job["input"]["machine"] = machine.clone();
-    let document = document::from_value(job).unwrap();
-    let file = ProgramFile { name: "roll.ngc".to_owned(), dialect: "linuxcnc", text: text.to_owned() };
-    check(&document, &Files::default(), &Catalogue::built_in(), &[file], &Budget::unwatched()).unwrap().1
 }
 
 fn events(outcome: &Outcome) -> Vec<Executed> {
@@ -81,7 +68,7 @@ fn a_long_series_of_turns_is_unwound_with_the_knife_up() {
         assert!(readings.iter().all(|angle| angle.abs() <= 360.0), "{readings:?}");
         assert!(turns.len() >= 12);
         let text = &outcome.programs[0].text;
-        assert!(checked(&ply, &machine, text).is_empty());
+        assert!(check_program(&ply, &machine, text).is_empty());
         // Half a turn a cut-out, twelve times over: had nothing been unwound, the blade would be beyond its range.
         let cut: f64 =
             readings.windows(2).map(|pair| pair[1] - pair[0]).sum::<f64>() - turns.iter().sum::<f64>();
@@ -90,7 +77,7 @@ fn a_long_series_of_turns_is_unwound_with_the_knife_up() {
         let word = text.split_whitespace().rfind(|word| word.starts_with('A') && word.len() > 4).unwrap();
         let angle: f64 = word[1..].parse().unwrap();
         let wound = format!("A{:.4}", angle + 720.0_f64.copysign(angle));
-        let found = checked(&ply, &machine, &text.replace(word, &wound));
+        let found = check_program(&ply, &machine, &text.replace(word, &wound));
         assert!(found.iter().any(|finding| finding.code == Code::TravelExceeded), "{found:?}");
     }
 }
@@ -144,7 +131,7 @@ fn a_corner_just_under_the_lift_angle_is_turned_in_the_material_and_one_just_abo
         // The same program does not pass where the knife must lift for less.
         if strokes == 2 {
             let lower = lab_with(&[("/cutters/0/blade/lift_angle_deg", json!(turn - 0.2))]);
-            let found = checked(&bent(turn), &lower, text);
+            let found = check_program(&bent(turn), &lower, text);
             assert!(found.iter().any(|finding| finding.code == Code::BladeAngle), "{found:?}");
         }
     }

@@ -15,6 +15,7 @@ use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
 use serde_json::{Value, json};
 
+use crate::random_plies::check_replay;
 use crate::rounds::{rounds, runner};
 
 mod mould;
@@ -115,16 +116,6 @@ fn check(ply: &Wild) -> Result<Verdict, TestCaseError> {
         check_area(ply, &outcome)?;
     }
     Ok(outcome.verdict)
-}
-
-fn check_replay(outcome: &Outcome) -> Result<(), TestCaseError> {
-    let replay = &outcome.report["replay"];
-    prop_assert!(replay["max_deviation_mm"].as_f64().unwrap() <= 0.011, "{}", replay);
-    prop_assert!(replay["uncut_mm"].as_f64().unwrap() <= 0.02, "{}", replay);
-    prop_assert!(replay["unwanted_mm"].as_f64().unwrap() <= 0.02, "{}", replay);
-    let (time, bound) = (&outcome.report["time_s"], &outcome.report["bound_time_s"]);
-    prop_assert!(time.as_f64() >= bound.as_f64(), "{} {}", time, bound);
-    Ok(())
 }
 
 /// Tapes side by side share out the ply where lengths on the mould are those of the plane; what was changed adds to it.

@@ -1,137 +1,49 @@
 //! The document of a dry run: the text of another job with one option set, and not a byte of it changed otherwise.
 //!
-//! A document may have a million points. It is not made into values and written again: the text is walked once a level,
-//! without recursion, up to the place of the option.
+//! A document may have a million points. It is not made into values and written again: the reader says where in the text
+//! the option stands, or belongs.
 
-use std::ops::Range;
+use std::collections::BTreeMap;
+
+use serde_json::value::RawValue;
 
 /// The document of the dry run of a job. `text` is a document that was read before, of a kind that knows the option.
 ///
 /// `None` if it is no object with an object `input`.
 #[must_use]
 pub fn as_dry_run(text: &[u8]) -> Option<Vec<u8>> {
-    let input = member(text, 0..text.len(), "input")?;
-    let Some(options) = member(text, input.clone(), "options") else {
-        return with_first(text, input, r#""options": {"dry_run": true}"#);
+    let input = *fields(text)?.get("input")?;
+    let inner = fields(input.get().as_bytes())?;
+    let Some(options) = inner.get("options") else {
+        return Some(with_first(text, input, &inner, r#""options": {"dry_run": true}"#));
     };
-    match member(text, options.clone(), "dry_run") {
-        Some(value) => Some(replaced(text, value, "true")),
-        None => with_first(text, options, r#""dry_run": true"#),
-    }
+    let known = fields(options.get().as_bytes())?;
+    Some(match known.get("dry_run") {
+        Some(value) => replaced(text, place(text, value), value.get().len(), "true"),
+        None => with_first(text, options, &known, r#""dry_run": true"#),
+    })
 }
 
-fn replaced(text: &[u8], place: Range<usize>, by: &str) -> Vec<u8> {
-    [&text[..place.start], by.as_bytes(), &text[place.end..]].concat()
+/// The fields of an object, each as it is written; of those of one name the last.
+fn fields(object: &[u8]) -> Option<BTreeMap<String, &RawValue>> {
+    serde_json::from_slice(object).ok()
 }
 
-/// The text with a further field, as the first of an object.
-fn with_first(text: &[u8], object: Range<usize>, field: &str) -> Option<Vec<u8>> {
-    let mut scanner = Scanner::inside(text, object)?;
-    let place = scanner.at;
-    scanner.pass_blanks();
-    let comma = if scanner.here()? == b'}' { "" } else { ", " };
-    Some(replaced(text, place..place, &format!("{field}{comma}")))
+/// Where in a text a part of it begins.
+fn place(text: &[u8], part: &RawValue) -> usize {
+    part.get().as_ptr().addr() - text.as_ptr().addr()
 }
 
-/// Where the value of a field stands in an object; of the last one of that name.
-fn member(text: &[u8], object: Range<usize>, name: &str) -> Option<Range<usize>> {
-    let mut scanner = Scanner::inside(text, object)?;
-    let mut found = None;
-    loop {
-        scanner.pass_blanks();
-        match scanner.here()? {
-            b'}' => return found,
-            b',' => scanner.at += 1,
-            _ => {
-                let key = scanner.value()?;
-                scanner.pass_blanks();
-                scanner.pass(b':')?;
-                scanner.pass_blanks();
-                let value = scanner.value()?;
-                // A name may be written with escapes.
-                if serde_json::from_slice::<String>(&text[key]).ok()? == name {
-                    found = Some(value);
-                }
-            }
-        }
-    }
+/// The text with other words at a place, instead of so many bytes.
+fn replaced(text: &[u8], at: usize, bytes: usize, by: &str) -> Vec<u8> {
+    [&text[..at], by.as_bytes(), &text[at + bytes..]].concat()
 }
 
-/// A place in a JSON text.
-struct Scanner<'a> {
-    text: &'a [u8],
-    at: usize,
-}
-
-impl<'a> Scanner<'a> {
-    /// Behind the brace with which the object in this part of a text begins.
-    fn inside(text: &'a [u8], object: Range<usize>) -> Option<Self> {
-        let mut scanner = Self { text: text.get(..object.end)?, at: object.start };
-        scanner.pass_blanks();
-        scanner.pass(b'{')?;
-        Some(scanner)
-    }
-
-    fn here(&self) -> Option<u8> {
-        self.text.get(self.at).copied()
-    }
-
-    fn pass(&mut self, byte: u8) -> Option<()> {
-        (self.here()? == byte).then(|| self.at += 1)
-    }
-
-    fn pass_blanks(&mut self) {
-        while self.here().is_some_and(|byte| byte.is_ascii_whitespace()) {
-            self.at += 1;
-        }
-    }
-
-    /// Passes a value.
-    fn value(&mut self) -> Option<Range<usize>> {
-        let start = self.at;
-        let mut depth = 0_usize;
-        loop {
-            match self.here()? {
-                b'"' => self.pass_text()?,
-                b'{' | b'[' => {
-                    depth += 1;
-                    self.at += 1;
-                }
-                b'}' | b']' => {
-                    depth = depth.checked_sub(1)?;
-                    self.at += 1;
-                }
-                _ if depth > 0 => self.at += 1,
-                _ => self.pass_word()?,
-            }
-            if depth == 0 {
-                return Some(start..self.at);
-            }
-        }
-    }
-
-    fn pass_text(&mut self) -> Option<()> {
-        self.at += 1;
-        loop {
-            match self.here()? {
-                b'"' => {
-                    self.at += 1;
-                    return Some(());
-                }
-                b'\\' => self.at += 2,
-                _ => self.at += 1,
-            }
-        }
-    }
-
-    /// Passes a number, `true`, `false` or `null`.
-    fn pass_word(&mut self) -> Option<()> {
-        let start = self.at;
-        while self.here().is_some_and(|byte| byte.is_ascii_alphanumeric() || b"+-.".contains(&byte)) {
-            self.at += 1;
-        }
-        (self.at > start).then_some(())
-    }
+/// The text with a further field, as the first of an object that has these.
+fn with_first(text: &[u8], object: &RawValue, has: &BTreeMap<String, &RawValue>, field: &str) -> Vec<u8> {
+    let comma = if has.is_empty() { "" } else { ", " };
+    // Behind its brace.
+    replaced(text, place(text, object) + 1, 0, &format!("{field}{comma}"))
 }
 
 #[cfg(test)]

@@ -139,14 +139,19 @@ struct Written {
     trace: PlantedTrace,
     /// What an earlier run has cut, in roll coordinates, where the program goes on from a course.
     before: Vec<Vec<[f64; 2]>>,
-    findings: Vec<Finding>,
+    finding: Option<Finding>,
+}
+
+/// The strokes of the edges of each cutter with their overcuts, and what should be known of these.
+fn edge_strokes(plan: &TapePlan, input: &TapeInput) -> (Vec<Vec<stroke::Stroke>>, Option<Finding>) {
+    let mut strokes = plan.strokes(input);
+    let finding = overcut::extend(&mut strokes, plan, &input.machine);
+    (strokes, finding)
 }
 
 /// The strokes of the axes of each cutter.
 fn axis_strokes(plan: &TapePlan, input: &TapeInput) -> Result<Vec<Vec<stroke::Stroke>>, Vec<Finding>> {
-    let mut strokes = plan.strokes(input);
-    overcut::extend(&mut strokes, plan, &input.machine);
-    offset::follow(strokes, &input.machine, input.tolerance.mm())
+    offset::follow(edge_strokes(plan, input).0, &input.machine, input.tolerance.mm())
 }
 
 fn write(
@@ -161,8 +166,7 @@ fn write(
         return Err(lacking);
     }
     let machine = &input.machine;
-    let mut strokes = plan.strokes(input);
-    let findings = overcut::extend(&mut strokes, plan, machine).into_iter().collect();
+    let (strokes, finding) = edge_strokes(plan, input);
     let trace = trace::planted(plan, &strokes, input);
     let strokes = offset::follow(strokes, machine, input.tolerance.mm())?;
     let kept = input.from_course.map(|_| strokes.clone());
@@ -180,7 +184,7 @@ fn write(
     let cutting = input.dry_run.then(|| nc::emit::emit(&program, machine, input_sha256));
     program.dry = input.dry_run;
     let text = nc::emit::emit(&program, machine, input_sha256);
-    Ok(Written { text, cutting, program, bound_time_s, trace, before, findings })
+    Ok(Written { text, cutting, program, bound_time_s, trace, before, finding })
 }
 
 fn finish(
@@ -192,8 +196,9 @@ fn finish(
     budget: &Budget<'_>,
 ) -> Outcome {
     let name = program_name(input);
-    findings.append(&mut written.findings);
-    findings.extend(tips::lacking_overcut(&tips::tips(plan, &input.machine), &input.machine));
+    let tips = tips::tips(plan, &input.machine);
+    findings.extend(written.finding.take());
+    findings.extend(tips::lacking_overcut(&tips, &input.machine));
     let (figures, faults) = judge(&name, &written.text, &written, plan, input, budget);
     findings.extend(faults);
     input.origins.relocate(&mut findings);
@@ -203,7 +208,7 @@ fn finish(
     drawings.push(timeline_drawing(&written.program, &input.machine));
     budget.stage("report");
     let Written { text, program, bound_time_s, trace, .. } = written;
-    let report = TapeReport::new(plan, input, &program, bound_time_s, figures);
+    let report = TapeReport::new(plan, input, &program, bound_time_s, figures, tips);
     let file = ProgramFile { name, dialect: language(input.machine.dialect).name, text };
     let sheet = (!any_error(&findings)).then(|| setup::sheet(plan, &program, &file, input, input_sha256));
     let attachments = trace.attachments().into_iter().chain(sheet).collect();

@@ -57,12 +57,13 @@ impl Piece {
         points
     }
 
-    /// Changes the cuts that more than `knives` knives would be needed for, on their scrap side: returns the largest
-    /// deviation in mm and the extra area in mm^2, or `None` if nothing was changed.
-    pub fn simplify(&mut self, half_width_mm: f64, knives: usize) -> Option<(f64, f64)> {
+    /// Changes the cuts that more than `knives` knives would be needed for, on their scrap side: returns the piece as it
+    /// was, the largest deviation in mm and the extra area in mm^2, or `None` if nothing was changed.
+    pub fn simplify(&mut self, half_width_mm: f64, knives: usize) -> Option<(Self, (f64, f64))> {
         if side_by_side(self.cuts(), half_width_mm) <= knives {
             return None;
         }
+        let given = self.clone();
         let mut change: Option<(f64, f64)> = None;
         for side in &mut self.sides {
             let Side::Cut(points) = side else { continue };
@@ -76,7 +77,7 @@ impl Piece {
             *points = simple.points;
         }
         self.mend_tape_edges();
-        change
+        change.map(|change| (given, change))
     }
 
     /// Lets the tape's edges run from the end of the cut before them to the start of the next.

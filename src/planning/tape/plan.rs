@@ -187,9 +187,11 @@ fn pieces_of(
 
 fn chained(mut piece: Piece, input: &TapeInput) -> PlannedPiece {
     let (half_width_mm, knives) = (input.width.mm() / 2.0, input.machine.cutters.len());
-    let given = (input.on_excess == OnExcess::Simplify).then(|| Box::new(piece.clone()));
-    let simplified = given.as_ref().and_then(|_| piece.simplify(half_width_mm, knives));
-    let given = given.filter(|_| simplified.is_some());
+    let changed = match input.on_excess {
+        OnExcess::Simplify => piece.simplify(half_width_mm, knives),
+        OnExcess::Reject => None,
+    };
+    let (given, simplified) = changed.map(|(given, change)| (Box::new(given), change)).unzip();
     let chains = piece
         .cuts()
         .enumerate()

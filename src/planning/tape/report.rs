@@ -7,7 +7,7 @@ use super::input::TapeInput;
 use super::plan::{PlannedCourse, PlannedPiece, TapePlan};
 use super::roll::RollFigures;
 use super::sliver::Marks;
-use super::tips::{Tip, tips};
+use super::tips::Tip;
 use crate::planning::geometry::Point2;
 use crate::planning::program::moves::TapeProgram;
 use crate::planning::program::replay::ReplayFigures;
@@ -126,6 +126,7 @@ impl<'a> TapeReport<'a> {
         program: &TapeProgram,
         bound_time_s: f64,
         replay: ReplayFigures,
+        tips: Vec<Tip>,
     ) -> Self {
         let courses = plan.courses.iter().map(|course| CourseReport {
             ply: course.label.ply,
@@ -144,7 +145,7 @@ impl<'a> TapeReport<'a> {
             bound_time_s,
             replay,
             simplified: plan.courses.iter().filter_map(simplified_report).collect(),
-            tips: tips(plan, machine),
+            tips,
             from_course: input.from_course.map(|course| course.number),
             from_ply: input.from_course.and_then(|course| course.ply),
             approach_s: input.from_course.map(|_| program.approach_s),

@@ -2,7 +2,7 @@
 //! them may lie on one another.
 
 use super::ReplaySetup;
-use super::nearness::{Probe, Span};
+use super::nearness::{Probe, Span, gaps};
 
 /// Places at which strokes end, each with the way that an overcut may reach from it.
 pub(super) struct Breaks {
@@ -30,20 +30,7 @@ impl Breaks {
         let (low, high) = (ends[0].min(ends[1]) - self.reach_mm, ends[0].max(ends[1]) + self.reach_mm);
         let first = self.at.partition_point(|at| at[0] < low);
         let near = self.at[first..].iter().take_while(|at| at[0] <= high);
-        let mut reached: Vec<Span> = near.filter_map(|at| probe.near_point(*at, self.reach_mm)).collect();
-        reached.sort_by(|one, other| one.0.total_cmp(&other.0));
-        let mut beyond = Vec::new();
-        let mut at = from;
-        for (begin, end) in reached {
-            if begin > at && at < to {
-                beyond.push((at, begin.min(to)));
-            }
-            at = at.max(end);
-        }
-        if at < to {
-            beyond.push((at, to));
-        }
-        beyond
+        gaps(near.filter_map(|at| probe.near_point(*at, self.reach_mm)).collect(), (from, to))
     }
 }
 

@@ -113,20 +113,24 @@ pub(super) fn to_segment(point: [f64; 2], [a, b]: Segment) -> f64 {
 
 /// The parts of a probe's `part` that lie farther than a radius from all of some segments.
 pub(super) fn far_parts(probe: &Probe, part: Span, others: &[Segment], radius: f64) -> Vec<Span> {
-    let mut near: Vec<Span> = others.iter().filter_map(|other| probe.near_segment(*other, radius)).collect();
-    near.sort_by(|one, other| one.0.total_cmp(&other.0));
-    let mut far = Vec::new();
+    gaps(others.iter().filter_map(|other| probe.near_segment(*other, radius)).collect(), part)
+}
+
+/// What some spans leave of a part, but for gaps up to [`GAP_MM`].
+pub(super) fn gaps(mut spans: Vec<Span>, part: Span) -> Vec<Span> {
+    spans.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let mut gaps = Vec::new();
     let mut reached = part.0;
-    for (from, to) in near {
+    for (from, to) in spans {
         if from.min(part.1) - reached > GAP_MM {
-            far.push((reached, from.min(part.1)));
+            gaps.push((reached, from.min(part.1)));
         }
         reached = reached.max(to);
     }
     if part.1 - reached > GAP_MM {
-        far.push((reached, part.1));
+        gaps.push((reached, part.1));
     }
-    far
+    gaps
 }
 
 /// Whether all of a probe's `part` lies within a radius of some segments.
