@@ -1,6 +1,6 @@
 //! Which stretches of a closed loop of points in space come near a line.
 //!
-//! The points are taken in blocks of consecutive ones, and the boxes around these in a binary tree, so that a course
+//! The points are taken in blocks of consecutive ones, and the balls around these in a binary tree, so that a course
 //! looks at what is near it and not at a million points.
 
 use std::ops::Range;
@@ -23,12 +23,19 @@ pub struct Reach {
     pub radius_mm: f64,
 }
 
-/// A loop with the boxes around its blocks.
+/// A loop with the balls around its blocks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stretches {
     points: usize,
-    /// Boxes around one block each, then around two each, and so on up to one around all.
-    levels: Vec<Vec<Box3>>,
+    /// Balls around one block each, then around two each, and so on up to one around all.
+    levels: Vec<Vec<Ball>>,
+}
+
+/// All that is within a distance of a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Ball {
+    middle: Point3,
+    radius_mm: f64,
 }
 
 /// A box along the axes.
@@ -49,11 +56,11 @@ impl Stretches {
             let next = if block + 1 == blocks { points[0] } else { next };
             own.iter().fold(Box3 { low: next, high: next }, |all, point| all.with(&Box3::at(*point)))
         };
-        let mut levels: Vec<Vec<Box3>> = vec![(0..blocks).map(around_block).collect()];
-        while levels[levels.len() - 1].len() > 1 {
-            let below = &levels[levels.len() - 1];
-            let level = below.chunks(2).map(|pair| pair[1..].iter().fold(pair[0], Box3::with)).collect();
-            levels.push(level);
+        let mut boxes: Vec<Box3> = (0..blocks).map(around_block).collect();
+        let mut levels: Vec<Vec<Ball>> = vec![boxes.iter().map(Box3::ball).collect()];
+        while boxes.len() > 1 {
+            boxes = boxes.chunks(2).map(|pair| pair[1..].iter().fold(pair[0], Box3::with)).collect();
+            levels.push(boxes.iter().map(Box3::ball).collect());
         }
         Self { points: points.len(), levels }
     }
@@ -64,38 +71,46 @@ impl Stretches {
     pub fn near(&self, reaches: &[Reach]) -> Vec<Range<usize>> {
         let mut near: Vec<Range<usize>> = Vec::new();
         if self.points > 0 {
-            self.visit(self.levels.len() - 1, 0, reaches, &mut near);
+            self.visit((self.levels.len() - 1, 0), &mut reaches.to_vec(), 0, &mut near);
         }
         near
     }
 
-    fn visit(&self, level: usize, index: usize, reaches: &[Reach], near: &mut Vec<Range<usize>>) {
+    /// `reaches` is a pile: of those from `asked` on, the ones that come near are put on top for what is inside.
+    fn visit(
+        &self,
+        (level, index): (usize, usize),
+        reaches: &mut Vec<Reach>,
+        asked: usize,
+        near: &mut Vec<Range<usize>>,
+    ) {
         let around = &self.levels[level][index];
-        let within: Vec<Reach> = reaches.iter().filter(|reach| reach.may_meet(around)).copied().collect();
-        if within.is_empty() {
-            return;
-        }
-        if level > 0 {
-            self.visit(level - 1, 2 * index, &within, near);
-            if 2 * index + 1 < self.levels[level - 1].len() {
-                self.visit(level - 1, 2 * index + 1, &within, near);
+        let within = reaches.len();
+        for place in asked..within {
+            if reaches[place].may_meet(around) {
+                reaches.push(reaches[place]);
             }
-            return;
         }
-        let block = index * BLOCK..self.points.min((index + 1) * BLOCK);
-        match near.last_mut() {
-            Some(last) if last.end == block.start => last.end = block.end,
-            _ => near.push(block),
+        if reaches.len() > within && level > 0 {
+            self.visit((level - 1, 2 * index), reaches, within, near);
+            if 2 * index + 1 < self.levels[level - 1].len() {
+                self.visit((level - 1, 2 * index + 1), reaches, within, near);
+            }
+        } else if reaches.len() > within {
+            let block = index * BLOCK..self.points.min((index + 1) * BLOCK);
+            match near.last_mut() {
+                Some(last) if last.end == block.start => last.end = block.end,
+                _ => near.push(block),
+            }
         }
+        reaches.truncate(within);
     }
 }
 
 impl Reach {
-    /// Whether it may come near anything in a box: the ball around the box is nearer than its radius.
-    fn may_meet(&self, around: &Box3) -> bool {
-        let (middle, half) =
-            (nalgebra::center(&around.low, &around.high), (around.high - around.low).norm() / 2.0);
-        self.distance_mm(&middle) <= self.radius_mm + half
+    /// Whether it may come near anything in a ball.
+    fn may_meet(&self, around: &Ball) -> bool {
+        self.distance_mm(&around.middle) <= self.radius_mm + around.radius_mm
     }
 
     /// How far a point is from the line, in mm.
@@ -112,6 +127,14 @@ impl Reach {
 impl Box3 {
     fn at(point: Point3) -> Self {
         Self { low: point, high: point }
+    }
+
+    /// The ball around it.
+    fn ball(&self) -> Ball {
+        Ball {
+            middle: nalgebra::center(&self.low, &self.high),
+            radius_mm: (self.high - self.low).norm() / 2.0,
+        }
     }
 
     fn with(self, other: &Self) -> Self {

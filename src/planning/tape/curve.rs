@@ -178,21 +178,21 @@ fn fit(course: &Course, chords: &[f64], index: usize) -> Fit {
     // A parameter within [-1, 1] keeps the numbers well conditioned.
     let scale = (chords[last] - chords[index]).max(chords[index] - chords[first]);
     let mut at = [0.0; ROWS];
-    for (row, at) in at.iter_mut().enumerate().take(rows) {
-        *at = (chords[first + row] - chords[index]) / scale;
+    let (mut points, mut normals) = ([Vector3::zeros(); ROWS], [Vector3::zeros(); ROWS]);
+    for row in 0..rows {
+        at[row] = (chords[first + row] - chords[index]) / scale;
+        points[row] = course.points[first + row] - course.points[index];
+        normals[row] = course.normals[first + row];
     }
     let mut basis = Orthogonal::first(rows);
     let mut fit = Fit { rate: Vector3::zeros(), bending: Vector3::zeros(), normal_rate: Vector3::zeros() };
     for _ in 0..DEGREE.min(rows - 1) {
-        basis = basis.next(&at);
-        let (mut points, mut normals) = (Vector3::zeros(), Vector3::zeros());
-        for (row, value) in basis.values.iter().enumerate().take(rows) {
-            points += (course.points[first + row] - course.points[index]) * *value;
-            normals += course.normals[first + row] * *value;
-        }
-        fit.rate += points * (basis.slope / basis.squared);
-        fit.bending += points * (basis.bending / basis.squared);
-        fit.normal_rate += normals * (basis.slope / basis.squared);
+        basis.advance(&at);
+        let (along_points, along_normals) = (basis.times(&points), basis.times(&normals));
+        let (slope, bending) = (basis.slope / basis.squared, basis.bending / basis.squared);
+        fit.rate += along_points * slope;
+        fit.bending += along_points * bending;
+        fit.normal_rate += along_normals * slope;
     }
     fit.rate /= scale;
     fit.bending /= scale * scale;
@@ -223,24 +223,25 @@ impl Orthogonal {
         Self { values, squared: rows as f64, value: 1.0, slope: 0.0, bending: 0.0, before }
     }
 
-    /// p' = (x - a) p - b q, with a and b such that it is orthogonal to p and to q, the one before.
-    fn next(&self, at: &[f64; ROWS]) -> Self {
+    /// The next: p' = (x - a) p - b q, with a and b such that it is orthogonal to p and to q, the one before.
+    fn advance(&mut self, at: &[f64; ROWS]) {
         let along: f64 = (0..ROWS).map(|row| at[row] * self.values[row] * self.values[row]).sum();
         let a = along / self.squared;
-        let (older, older_squared, [value, slope, bending]) = &self.before;
+        let (older, older_squared, [value, slope, bending]) = self.before;
         let b = self.squared / older_squared;
-        let mut values = [0.0; ROWS];
+        self.before = (self.values, self.squared, [self.value, self.slope, self.bending]);
         for row in 0..ROWS {
-            values[row] = (at[row] - a) * self.values[row] - b * older[row];
+            self.values[row] = (at[row] - a) * self.values[row] - b * older[row];
         }
-        Self {
-            values,
-            squared: values.iter().map(|value| value * value).sum(),
-            value: -a * self.value - b * value,
-            slope: self.value - a * self.slope - b * slope,
-            bending: 2.0 * self.slope - a * self.bending - b * bending,
-            before: (self.values, self.squared, [self.value, self.slope, self.bending]),
-        }
+        self.squared = self.values.iter().map(|value| value * value).sum();
+        self.bending = 2.0 * self.slope - a * self.bending - b * bending;
+        self.slope = self.value - a * self.slope - b * slope;
+        self.value = -a * self.value - b * value;
+    }
+
+    /// The sum of its values times those of something else at the same points.
+    fn times(&self, others: &[Vector3; ROWS]) -> Vector3 {
+        self.values.iter().zip(others).fold(Vector3::zeros(), |sum, (value, other)| sum + other * *value)
     }
 }
 

@@ -8,25 +8,16 @@
 
 use std::ops::Range;
 
-use super::curve::{Bend, Curve, Station};
+use super::foot::{CONTINUED_WIDTHS, Curved};
 use super::input::Course;
 use super::machine::CutSide;
 use crate::planning::finding::{Code, Finding};
 use crate::planning::geometry::stretches::{Reach, Stretches};
 use crate::planning::geometry::{Point2, Point3, Vector3};
-use crate::planning::tolerance::{FLAT_MM, LAST_STEP_MM, SQUARE_COSINE, STRAIGHT_MM};
+use crate::planning::tolerance::{FLAT_MM, SQUARE_COSINE, STRAIGHT_MM};
 
 /// A point of an outline in (u, v) of a course, or `None` if it belongs to another part of the mould.
 pub type Developed = Option<Point2>;
-
-/// Beyond its ends a course is continued by so many tape widths.
-const CONTINUED_WIDTHS: f64 = 2.0;
-/// A point farther from the course than so many tape widths belongs to another part of the mould.
-const FAR_WIDTHS: f64 = 4.0;
-/// A point may lie off the course's plane by so many tape widths: half of half the width.
-const OFF_PLANE_WIDTHS: f64 = 0.25;
-/// Newton's method for a foot converges in a few steps or not at all.
-const MOST_FOOT_STEPS: usize = 30;
 
 /// The outlines of a ply in (u, v) of one course.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,7 +28,7 @@ pub struct DevelopedPly {
     pub holes: Vec<DevelopedLoop>,
 }
 
-/// An outline in (u, v) of one course. A stretch of it that is nowhere near the course is one place that is not known.
+/// An outline in (u, v) of one course. A stretch of it that is not within the tape may be one place that is not known.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct DevelopedLoop {
     /// Its points in order.
@@ -47,10 +38,15 @@ pub struct DevelopedLoop {
 }
 
 impl DevelopedLoop {
-    /// What comes next is nowhere near the course.
-    fn leave_out(&mut self) {
-        self.places.push(None);
-        self.indices.push(self.indices.last().copied().unwrap_or(0));
+    /// A point, by its place in the outline.
+    pub fn push(&mut self, index: usize, place: Developed) {
+        self.places.push(place);
+        self.indices.push(index);
+    }
+
+    /// What comes next is not within the tape.
+    pub fn leave_out(&mut self) {
+        self.push(self.indices.last().copied().unwrap_or(0), None);
     }
 }
 
@@ -142,12 +138,16 @@ pub fn develop(
     let flat =
         Flat::of(course, stretches().flat_map(|((points, _), near)| stretches_of(points, near)).flatten());
     let mut loops: Vec<DevelopedLoop> = match flat {
-        Some(flat) => {
-            stretches().map(|((points, _), near)| taken(points, near, |p| flat.develop(p))).collect()
-        }
+        Some(flat) => stretches()
+            .map(|((points, _), near)| taken(points, near, |part, loop_| flat.develop(points, part, loop_)))
+            .collect(),
         None => {
-            let curved = Curved { curve: Curve::through(course, CONTINUED_WIDTHS * width_mm), width_mm };
-            stretches().map(|((points, _), near)| taken(points, near, |p| curved.develop(p))).collect()
+            let curved = Curved::new(course, width_mm);
+            stretches()
+                .map(|((points, _), near)| {
+                    taken(points, near, |part, loop_| curved.develop(points, part, loop_))
+                })
+                .collect()
         }
     };
     for point in loops.iter_mut().flat_map(|developed| &mut developed.places).flatten() {
@@ -166,7 +166,7 @@ fn stretches_of<'a>(points: &'a [Point3], near: &'a [Range<usize>]) -> impl Iter
 fn taken(
     points: &[Point3],
     near: &[Range<usize>],
-    develop: impl Fn(&[Point3]) -> Vec<Developed>,
+    develop: impl Fn(Range<usize>, &mut DevelopedLoop),
 ) -> DevelopedLoop {
     let mut taken = DevelopedLoop::default();
     let from_start = near.first().is_some_and(|first| first.start == 0);
@@ -174,8 +174,7 @@ fn taken(
         let to_end = range.end == points.len();
         let parts = [range.start..points.len().min(range.end + 1), 0..usize::from(to_end && !from_start)];
         for part in parts {
-            taken.places.extend(develop(&points[part.clone()]));
-            taken.indices.extend(part);
+            develop(part, &mut taken);
         }
         if !(to_end && from_start) {
             taken.leave_out();
@@ -249,116 +248,14 @@ impl Flat {
         (straight && parallel && near.all(|point| height(point) <= FLAT_MM)).then_some(flat)
     }
 
-    fn develop(&self, points: &[Point3]) -> Vec<Developed> {
-        points.iter().map(|point| Some(self.place(point))).collect()
+    fn develop(&self, points: &[Point3], part: Range<usize>, taken: &mut DevelopedLoop) {
+        part.for_each(|index| taken.push(index, Some(self.place(&points[index]))));
     }
 
     fn place(&self, point: &Point3) -> Point2 {
         let from_start = point - self.origin;
         Point2::new(from_start.dot(&self.u), from_start.dot(&self.v))
     }
-}
-
-/// What is known from the point before.
-struct Search {
-    /// Its foot: neighbouring points have neighbouring feet.
-    last: Option<(Point3, Foot)>,
-    /// The part of the course on which it lies.
-    part: usize,
-    /// So far away in mm that the next points need not be looked at.
-    clear_mm: f64,
-}
-
-/// The foot of a point on a course.
-#[derive(Debug, Clone, Copy)]
-struct Foot {
-    station: Station,
-    bend: Bend,
-    /// How fast the miss shrinks as the foot advances; above 0.
-    slope: f64,
-}
-
-/// A course on a curved mould.
-struct Curved {
-    curve: Curve,
-    width_mm: f64,
-}
-
-impl Curved {
-    fn develop(&self, points: &[Point3]) -> Vec<Developed> {
-        let mut search = Search { last: None, part: 0, clear_mm: 0.0 };
-        let mut last = None;
-        points
-            .iter()
-            .map(|point| {
-                if search.clear_mm > 0.0 {
-                    search.clear_mm -= last.map_or(0.0, |last: &Point3| (point - last).norm());
-                }
-                last = Some(point);
-                let foot = self.search(point, &mut search)?;
-                Some(place(&foot.station, &foot.bend, point))
-            })
-            .collect()
-    }
-
-    fn search(&self, point: &Point3, search: &mut Search) -> Option<Foot> {
-        let near = search.last.and_then(|(last, foot)| {
-            // To the first order the foot goes on with the point.
-            let s = foot.station.s + (point - last).dot(&foot.station.u) / foot.slope;
-            self.foot(point, s, &mut search.part)
-        });
-        let found = match near {
-            Some(found) => Some(found),
-            None if search.clear_mm > 0.0 => None,
-            None => {
-                let (s, distance) = self.curve.nearest_node(point);
-                search.clear_mm = distance - (FAR_WIDTHS * self.width_mm + self.curve.longest_step());
-                if search.clear_mm > 0.0 { None } else { self.foot(point, s, &mut search.part) }
-            }
-        };
-        search.last = found.map(|foot| (*point, foot));
-        found
-    }
-
-    /// The foot: where `(p - P) . U = 0`, if the point belongs to this part of the mould.
-    fn foot(&self, point: &Point3, start: f64, part: &mut usize) -> Option<Foot> {
-        let beyond = CONTINUED_WIDTHS * self.width_mm;
-        let mut s = start;
-        for _ in 0..MOST_FOOT_STEPS {
-            if s < -beyond || s > self.curve.length() + beyond {
-                return None;
-            }
-            let (station, bend) = self.curve.at(s, part);
-            let chord = point - station.origin;
-            if chord.norm() > FAR_WIDTHS * self.width_mm {
-                return None;
-            }
-            let slope = 1.0 - chord.dot(&(station.n * bend.normal + station.v * bend.geodesic));
-            if slope <= 0.0 {
-                return None;
-            }
-            let miss = chord.dot(&station.u);
-            if miss.abs() <= LAST_STEP_MM {
-                let station = station.advanced(&bend, miss / slope);
-                let off_plane = chord.dot(&station.n).abs();
-                let belongs = off_plane <= OFF_PLANE_WIDTHS * self.width_mm;
-                return belongs.then_some(Foot { station, bend, slope });
-            }
-            s += miss / slope;
-        }
-        None
-    }
-}
-
-/// A point in (u, v) of its foot's frame: `v_dev = sign(v) c phi / sin(phi)` and `u_dev = s - tau w v / 3`.
-fn place(station: &Station, bend: &Bend, point: &Point3) -> Point2 {
-    let from_foot = point - station.origin;
-    let (v, w) = (from_foot.dot(&station.v), from_foot.dot(&station.n));
-    let chord = v.hypot(w);
-    let sine = if chord > 0.0 { w.abs() / chord } else { 0.0 };
-    // phi / sin(phi) tends to 1; below this sine it is 1 to the last digit.
-    let stretch = if sine < 1e-8 { 1.0 } else { sine.asin() / sine };
-    Point2::new(station.s - bend.torsion * w * v / 3.0, (chord * stretch).copysign(v))
 }
 
 #[cfg(test)]
@@ -428,14 +325,14 @@ mod tests {
                 let (points, normals) = stations.map(at).unzip();
                 let course = Course { label: 1.into(), place: CoursePlace::default(), points, normals };
                 let near = develop(&course, &ply, CutSide::Film, 100.0).unwrap();
+                let (flat, curved) = (Flat::of(&course, outline.iter()), Curved::new(&course, 100.0));
+                // Point by point, so that none is passed over.
+                let place = |point: &Point3| match &flat {
+                    Some(flat) => Some(flat.place(point)),
+                    None => curved.place(point),
+                };
                 let all = |points: &[Point3]| -> DevelopedLoop {
-                    let places = match Flat::of(&course, points.iter()) {
-                        Some(flat) => flat.develop(points),
-                        None => {
-                            Curved { curve: Curve::through(&course, 200.0), width_mm: 100.0 }.develop(points)
-                        }
-                    };
-                    places.into()
+                    points.iter().map(place).collect::<Vec<Developed>>().into()
                 };
                 let whole = DevelopedPly { boundary: all(&outline), holes: vec![all(&holes[0])] };
                 assert!(near.boundary.places.len() < 2000, "{number}: {}", near.boundary.places.len());

@@ -16,6 +16,7 @@ pub mod develop;
 mod difference;
 pub mod excess;
 pub mod file;
+pub mod foot;
 pub mod front;
 pub mod input;
 pub mod label;

@@ -144,7 +144,12 @@ pub(super) fn distance(probe: &Probe, part: Span, others: &[Segment], least: f64
     if is_near(probe, part, others, least) {
         return least;
     }
-    let (mut below, mut above) = (least, most);
+    // Along the probe the distance from one segment is greatest at an end, and that from all is no less than at an end.
+    let ends = [probe.point(part.0), probe.point(part.1)];
+    let off_one = |other: &Segment| to_segment(ends[0], *other).max(to_segment(ends[1], *other));
+    let off_all = |end: [f64; 2]| others.iter().map(|other| to_segment(end, *other)).fold(most, f64::min);
+    let mut below = least.max(off_all(ends[0]).max(off_all(ends[1])));
+    let mut above = others.iter().map(off_one).fold(most, f64::min);
     while above - below > RADIUS_MM {
         let middle = f64::midpoint(below, above);
         if is_near(probe, part, others, middle) {
@@ -186,6 +191,27 @@ mod tests {
     }
 
     proptest::proptest! {
+        /// Brute force: the nearest segment of each of many points. Between two of them the distance grows by half of what
+        /// they are apart at most.
+        #[test]
+        fn the_distance_agrees_with_sampled_points(
+            a in [-9.0..9.0f64, -9.0..9.0f64], b in [-9.0..9.0f64, -9.0..9.0f64],
+            others in proptest::collection::vec(([-9.0..9.0f64, -9.0..9.0f64], [-9.0..9.0f64, -9.0..9.0f64]), 1..5),
+        ) {
+            const STEPS: u32 = 400;
+            let others: Vec<Segment> = others.into_iter().map(|(c, d)| [c, d]).collect();
+            proptest::prop_assume!(a != b && others.iter().all(|[c, d]| c != d));
+            let probe = Probe::along([a, b]);
+            let nearest = |along: f64| {
+                others.iter().map(|other| to_segment(probe.point(along), *other)).fold(f64::INFINITY, f64::min)
+            };
+            let sampled = (0..=STEPS).map(|step| nearest(probe.length * f64::from(step) / f64::from(STEPS)));
+            let sampled = sampled.fold(0.0, f64::max);
+            let found = distance(&probe, (0.0, probe.length), &others, 0.0, 100.0);
+            let between = probe.length / f64::from(STEPS) / 2.0;
+            proptest::prop_assert!((sampled - 1e-9..=sampled + between + 1e-9).contains(&found), "{found} {sampled}");
+        }
+
         /// Brute force knows nothing of capsules: points, and the distance of each to a segment.
         #[test]
         fn near_parts_agree_with_sampled_points(
