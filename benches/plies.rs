@@ -1,5 +1,7 @@
 //! Plies of up to two million points: parsing alone, and all stages together.
 
+mod table;
+
 use std::fmt::Write as _;
 
 use bladeplan::planning::attempt::plan;
@@ -14,10 +16,13 @@ const WIDTH_MM: f64 = 75.0;
 const RADIUS_MM: f64 = 20_000.0;
 const LENGTH_MM: f64 = 4000.0;
 const POINTS_OF_A_COURSE: usize = 400;
-/// Points of the boundary and courses.
-const SIZES: [(usize, usize); 4] = [(10_000, 25), (160_000, 100), (1_000_000, 400), (2_000_000, 800)];
+/// Points of the boundary and courses, each pair twice what stands before it but for the leaps between pairs.
+const SIZES: [(usize, usize); 6] =
+    [(10_000, 25), (20_000, 50), (160_000, 100), (320_000, 200), (1_000_000, 400), (2_000_000, 800)];
 
 fn main() {
+    let (points, courses) = (1_000_000, 400);
+    table::print(&format!("{points} points x {courses} courses"), job(points, courses).as_bytes(), 3);
     divan::main();
 }
 

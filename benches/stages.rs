@@ -1,11 +1,9 @@
 //! The stages of a planning attempt: a table of each, then the example ply by divan.
 
-use std::cell::RefCell;
-use std::sync::atomic::AtomicBool;
-use std::time::Instant;
+mod table;
 
 use bladeplan::planning::attempt::plan;
-use bladeplan::planning::budget::{Budget, DEFAULT_STEPS};
+use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document::files::Files;
 use bladeplan::planning::document::{self, JobDocument};
 use bladeplan::planning::program::nc::read::read;
@@ -18,42 +16,9 @@ const WING_SKIN: &[u8] = include_bytes!("../tests/fixtures/roll/wing-skin-45.job
 const ROUNDS: usize = 30;
 
 fn main() {
-    table("the wing skin of 27 courses", WING_SKIN);
-    table("the example ply of 29 courses", JOB);
+    table::print("the wing skin of 27 courses", WING_SKIN, ROUNDS);
+    table::print("the example ply of 29 courses", JOB, ROUNDS);
     divan::main();
-}
-
-/// Prints the median time of each stage, in the order in which they come, and of all together.
-fn table(what: &str, text: &[u8]) {
-    let rounds: Vec<Vec<(&str, f64)>> = (0..ROUNDS).map(|_| stages(text)).collect();
-    println!("{what}, medians of {ROUNDS} rounds");
-    for (index, (name, _)) in rounds[0].iter().enumerate() {
-        println!("  {name:<12} {:8.3} ms", median(rounds.iter().map(|round| round[index].1)));
-    }
-    let totals = rounds.iter().map(|round| round.iter().map(|stage| stage.1).sum());
-    println!("  {:<12} {:8.3} ms\n", "all", median(totals));
-}
-
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
-}
-
-/// The stages of one attempt with the time of each in ms.
-fn stages(text: &[u8]) -> Vec<(&'static str, f64)> {
-    let begun = RefCell::new(vec![("parse", Instant::now())]);
-    let job = document::read(text).expect("it is valid");
-    let on_stage = |name: &'static str| begun.borrow_mut().push((name, Instant::now()));
-    on_stage("fingerprint");
-    let never = AtomicBool::new(false);
-    let budget = Budget::new(DEFAULT_STEPS, &never, &on_stage);
-    let outcome = plan(&job, &Files::default(), &Catalogue::built_in(), &budget).expect("it is valid");
-    assert!(!outcome.programs.is_empty(), "it can be cut");
-    let end = Instant::now();
-    let begun = begun.borrow();
-    let ends = begun[1..].iter().map(|stage| stage.1).chain([end]);
-    begun.iter().zip(ends).map(|((name, from), to)| (*name, 1e3 * (to - *from).as_secs_f64())).collect()
 }
 
 fn job() -> JobDocument {

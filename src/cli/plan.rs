@@ -1,10 +1,12 @@
 //! `bladeplan plan JOB.json --out DIR`.
 
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
 use clap::Args;
+use serde::Deserialize;
 
 use super::job::{EXIT_CODES, INVALID, NOT_USABLE, read, refuse, say};
 use crate::planning::attempt::plan;
@@ -75,15 +77,29 @@ fn older_files(folder: &Path) -> String {
     }
 }
 
-/// Takes away what an earlier plan has left, as its report names it: a program of another job must not lie beside
-/// this one's report.
+/// What an earlier plan has left, as its report names it.
+#[derive(Deserialize, Default)]
+#[serde(default)]
+struct Left {
+    programs: Vec<LeftProgram>,
+    drawings: Vec<String>,
+    attachments: Vec<String>,
+}
+
+#[derive(Deserialize)]
+struct LeftProgram {
+    name: String,
+}
+
+/// Takes away what an earlier plan has left: a program of another job must not lie beside this one's report.
 fn clear(folder: &Path) -> std::io::Result<()> {
-    let Ok(text) = std::fs::read(folder.join(REPORT)) else { return Ok(()) };
-    let report: serde_json::Value = serde_json::from_slice(&text).unwrap_or_default();
-    let programs = report["programs"].as_array().into_iter().flatten().filter_map(|p| p["name"].as_str());
-    let listed = ["drawings", "attachments"].map(|list| report[list].as_array()).into_iter().flatten();
-    let drawings = listed.flatten().filter_map(|name| name.as_str());
-    for name in programs.chain(drawings).chain([REPORT]) {
+    let Ok(report) = std::fs::File::open(folder.join(REPORT)) else { return Ok(()) };
+    // A report may be as large as the ply; nothing of it is kept but the names.
+    let left = serde_json::from_reader(BufReader::new(report));
+    let Left { programs, drawings, attachments } = left.unwrap_or_default();
+    let programs = programs.into_iter().map(|program| program.name);
+    for name in programs.chain(drawings).chain(attachments).chain([REPORT.to_owned()]) {
+        let name = name.as_str();
         // A name with a path in it is not one that was written here.
         let path = folder.join(name);
         if Path::new(name).file_name().is_some_and(|plain| plain == name) && path.is_file() {

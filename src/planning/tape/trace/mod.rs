@@ -127,12 +127,12 @@ fn feed_mm_s(from: &Knot, to: &Knot, cutter: &Cutter, machine: &Machine) -> f64 
 }
 
 impl PlantedTrace {
-    /// The trace as `trace-planted.txt` and `trace-planted.json`.
+    /// The trace as `trace-planted.txt` and `trace-planted.json`. Of a large ply it takes as much room as its texts.
     #[must_use]
-    pub fn attachments(&self) -> [Attachment; 2] {
-        let json = written(self) + "\n";
+    pub fn into_attachments(self) -> [Attachment; 2] {
+        let json = written(&self) + "\n";
         [
-            Attachment { name: "trace-planted.txt".to_owned(), text: text::write(self) },
+            Attachment { name: "trace-planted.txt".to_owned(), text: text::write(&self) },
             Attachment { name: "trace-planted.json".to_owned(), text: json },
         ]
     }
