@@ -92,6 +92,7 @@ fn every_end_has_a_program_and_no_cut_goes_into_the_ply() {
             Ok(())
         })
         .unwrap();
+    eprintln!("COUNTS {counts:?}");
     // Of use only if both happen.
     assert!(counts.iter().all(|count| count.get() > 5), "changed and not: {counts:?}");
 }

@@ -1,7 +1,7 @@
 //! Two-cutter cutting of prepreg tape (domain: two-step automated tape laying).
 //!
 //! In the order in which a job passes through: `wire` (as it stands in JSON) -> `file` (what stands in files) ->
-//! `input`, `outline` and `machine` (checked), `courses` (generated) -> `develop` -> `piece` -> `chain` -> `assign` (the
+//! `input`, `outline` and `machine` (checked), `courses` (generated) -> `develop` (`curve`, `foot`) -> `piece` -> `chain` -> `assign` (the
 //! knives of a piece by itself) -> `roll` (`block` and `front`: what matters there of a piece; `place`: where it goes;
 //! `pace`: which knives are quickest) -> `stroke` -> `overcut` -> `offset` -> `timeline`. `plan` puts the geometric steps together, `report` writes
 //! the figures.
