@@ -60,6 +60,23 @@ fn reach(outcome: &Outcome, v: f64) -> f64 {
     across.map(at).fold(f64::NEG_INFINITY, f64::max)
 }
 
+/// How far into the ply a cut may go: domain.md A5 takes a step back of less than 0.01 mm for none, and it is levelled from
+/// both sides. So is one that comes about where a gap between two heights is filled.
+fn levelled(heights: &[f64]) -> f64 {
+    let pairs =
+        heights.iter().enumerate().flat_map(|(at, one)| heights[..at].iter().map(move |other| (one, other)));
+    pairs.map(|(one, other)| (one - other).abs()).filter(|step| *step < 0.01).fold(0.0, f64::max) / 2.0
+}
+
+#[test]
+fn a_step_that_is_no_change_is_levelled_by_half_of_it() {
+    let heights = [22.1104, 22.12, 0.0];
+    let outcome = planned(&heights, "simplify", 1);
+    assert_eq!((outcome.verdict, &outcome.report["simplified"]), (Verdict::Usable, &json!([])));
+    let into = [422.1104, 422.12].map(|u| u - reach(&outcome, if u < 422.115 { -37.5 } else { 0.0 }));
+    assert!((into[0] + 0.0048).abs() < 1e-6 && (into[1] - 0.0048).abs() < 1e-6, "{into:?}");
+}
+
 #[test]
 fn every_end_has_a_program_and_no_cut_goes_into_the_ply() {
     let ends = (prop::collection::vec(-30.0..30.0_f64, 2..9), 1..=2_usize);
@@ -68,7 +85,7 @@ fn every_end_has_a_program_and_no_cut_goes_into_the_ply() {
         let simplified = planned(&heights, "simplify", cutters);
         prop_assert_eq!(simplified.verdict, Verdict::Usable, "{:?}", simplified.findings);
         for [u, v] in end(&heights) {
-            prop_assert!(reach(&simplified, v) >= u - 1e-6, "{u} {v}: {heights:?}");
+            prop_assert!(reach(&simplified, v) >= u - levelled(&heights) - 1e-6, "{u} {v}: {heights:?}");
         }
         let rejected = planned(&heights, "reject", cutters);
         let said = &simplified.report["simplified"];
@@ -92,7 +109,6 @@ fn every_end_has_a_program_and_no_cut_goes_into_the_ply() {
             Ok(())
         })
         .unwrap();
-    eprintln!("COUNTS {counts:?}");
     // Of use only if both happen.
     assert!(counts.iter().all(|count| count.get() > 5), "changed and not: {counts:?}");
 }
