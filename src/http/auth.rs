@@ -148,7 +148,7 @@ fn allowed(caller: Caller, method: &Method, path: &str) -> Answer<Caller> {
         // A method that the address does not take is answered as that.
         None if RULES.iter().any(|(_, address, _)| *address == path) => Ok(caller),
         _ => Err(Problem::new(ProblemCode::Forbidden)
-            .detail(format!("the key is that of a {}", caller.role.word()))),
+            .detail(format!("the role of the key is {}", caller.role.word()))),
     }
 }
 

@@ -236,7 +236,7 @@ mod tests {
 
     #[test]
     fn a_dry_run_and_the_rest_of_a_roll_finish_and_make_no_unit() {
-        for purpose in [Purpose::of(true, None), Purpose::of(false, Some(7))] {
+        for purpose in [Purpose::of(true, None), Purpose::of(false, Some(7.into()))] {
             let ordinary = entry(2).unwrap().settle(units(2, 2, 0));
             let other = Entry { purpose, ..ordinary.clone() };
             assert_eq!((ordinary.produced(), other.produced()), (2, 0), "{purpose:?}");

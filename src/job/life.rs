@@ -75,6 +75,9 @@ pub enum State {
         finished_at: Moment,
         /// Whether there is a program that may be approved.
         usable: bool,
+        /// How many warnings its report holds.
+        #[serde(default)]
+        warnings: u32,
         /// The program, if the verdict is usable.
         program: Option<ProgramId>,
         /// How long each stage took.
@@ -208,20 +211,20 @@ impl Job {
         Ok(self.changed())
     }
 
-    /// Ends the job with an answer. A job that asks for figures alone may be usable without a program.
+    /// Ends the job with an answer: whether it is usable, and how many warnings there are. A job that asks for figures alone may be usable without a program.
     ///
     /// # Errors
     /// `FenceLost`.
     pub fn succeed(
         self,
         fence: i64,
-        usable: bool,
+        (usable, warnings): (bool, u32),
         program: Option<ProgramId>,
         stages: Vec<StageTime>,
         now: Moment,
     ) -> Result<Self, Illegal> {
         let Attempt { started_at, .. } = self.attempt(fence)?;
-        let state = State::Succeeded { started_at, finished_at: now, usable, program, stages };
+        let state = State::Succeeded { started_at, finished_at: now, usable, warnings, program, stages };
         Ok(Self { state, ..self }.changed())
     }
 
@@ -387,19 +390,19 @@ mod tests {
     fn an_old_fence_can_do_nothing() {
         let job = queued().start(worker(), T0).unwrap().retry(1, "lost", T0).unwrap();
         let job = job.start(worker(), T1).unwrap();
-        assert_eq!(job.clone().succeed(1, false, None, vec![], T1), Err(Illegal::FenceLost));
+        assert_eq!(job.clone().succeed(1, (false, 0), None, vec![], T1), Err(Illegal::FenceLost));
         assert_eq!(job.clone().reach(1, "chains"), Err(Illegal::FenceLost));
         assert_eq!(job.clone().release(1), Err(Illegal::FenceLost));
         assert_eq!(job.clone().retry(1, "late", T1), Err(Illegal::FenceLost));
-        assert!(job.succeed(2, false, None, vec![], T1).is_ok());
+        assert!(job.succeed(2, (false, 0), None, vec![], T1).is_ok());
     }
 
     #[test]
     fn a_cancelled_job_takes_no_answer_and_a_finished_one_no_cancellation() {
         let cancelled = queued().start(worker(), T0).unwrap().cancel("mes", None, T1).unwrap();
-        assert_eq!(cancelled.clone().succeed(1, false, None, vec![], T1), Err(Illegal::FenceLost));
+        assert_eq!(cancelled.clone().succeed(1, (false, 0), None, vec![], T1), Err(Illegal::FenceLost));
         assert_eq!(cancelled.clone().cancel("mes", None, T1), Ok(cancelled));
-        let done = queued().start(worker(), T0).unwrap().succeed(1, false, None, vec![], T1).unwrap();
+        let done = queued().start(worker(), T0).unwrap().succeed(1, (false, 0), None, vec![], T1).unwrap();
         assert_eq!(done.cancel("mes", None, T1), Err(Illegal::Finished));
     }
 }

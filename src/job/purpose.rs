@@ -2,6 +2,8 @@
 
 use serde::{Serialize, Serializer};
 
+use crate::planning::tape::label::CourseLabel;
+
 /// What a program is for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Purpose {
@@ -11,12 +13,12 @@ pub enum Purpose {
     /// Nothing is cut: the same moves with knives up and the generator off.
     DryRun {
         /// The course from which on it goes, if not from the start.
-        from_course: Option<u32>,
+        from_course: Option<CourseLabel>,
     },
     /// The rest of a roll that another run has begun.
     Restart {
         /// The course from which on it goes.
-        from_course: u32,
+        from_course: CourseLabel,
     },
 }
 
@@ -26,7 +28,7 @@ impl Purpose {
 
     /// The purpose of a program that a report says these two things of.
     #[must_use]
-    pub fn of(dry_run: bool, from_course: Option<u32>) -> Self {
+    pub fn of(dry_run: bool, from_course: Option<CourseLabel>) -> Self {
         match (dry_run, from_course) {
             (true, from_course) => Self::DryRun { from_course },
             (false, Some(from_course)) => Self::Restart { from_course },
@@ -34,13 +36,14 @@ impl Purpose {
         }
     }
 
-    /// The purpose as it is stored: a word, and the course from which on the program goes.
+    /// The purpose as it is stored: a word, and ply and number of the course from which on the program goes.
     ///
     /// A word that is none of ours counts as a dry run: what is not known makes no unit of production.
     #[must_use]
-    pub fn stored(word: &str, from_course: Option<i64>) -> Self {
-        let from_course = from_course.and_then(|number| u32::try_from(number).ok());
-        Self::of(word != "production" && word != "restart", from_course)
+    pub fn stored(word: &str, [from_ply, from_course]: [Option<i64>; 2]) -> Self {
+        let number = |stored: Option<i64>| stored.and_then(|number| u32::try_from(number).ok());
+        let label = |course| CourseLabel { ply: number(from_ply), number: course };
+        Self::of(word != "production" && word != "restart", number(from_course).map(label))
     }
 
     /// Its word.
@@ -55,7 +58,7 @@ impl Purpose {
 
     /// The course from which on the program goes, if not from the start.
     #[must_use]
-    pub fn from_course(self) -> Option<u32> {
+    pub fn from_course(self) -> Option<CourseLabel> {
         match self {
             Self::Production => None,
             Self::DryRun { from_course } => from_course,
@@ -77,8 +80,8 @@ impl Purpose {
             Self::DryRun { from_course: None } => {
                 Some("DRY RUN: nothing is cut; no unit of production".to_owned())
             }
-            Self::DryRun { from_course: Some(number) } => {
-                Some(format!("DRY RUN from course {number} on: nothing is cut; no unit of production"))
+            Self::DryRun { from_course: Some(course) } => {
+                Some(format!("DRY RUN from course {course} on: nothing is cut; no unit of production"))
             }
             Self::Restart { from_course } => Some(format!(
                 "GOES ON WITHIN A ROLL, from course {from_course}: for the roll that was begun; no unit of production by itself"
@@ -99,15 +102,18 @@ mod tests {
 
     #[test]
     fn what_is_stored_is_read_back_and_only_production_makes_units() {
-        let all = [(false, None), (true, None), (true, Some(7)), (false, Some(7))];
+        let of_ply = CourseLabel { ply: Some(2), number: 7 };
+        let all = [(false, None), (true, None), (true, Some(7.into())), (false, Some(of_ply))];
         let purposes = all.map(|(dry_run, from_course)| Purpose::of(dry_run, from_course));
         for purpose in purposes {
-            let from_course = purpose.from_course().map(i64::from);
-            assert_eq!(Purpose::stored(purpose.word(), from_course), purpose);
+            let from = purpose.from_course();
+            let stored = [from.and_then(|course| course.ply), from.map(|course| course.number)];
+            assert_eq!(Purpose::stored(purpose.word(), stored.map(|number| number.map(i64::from))), purpose);
             assert!(Purpose::WORDS.contains(&purpose.word()));
             assert_eq!(purpose.warning().is_none(), purpose.makes_units(), "{purpose:?}");
         }
         assert_eq!(purposes.map(Purpose::makes_units), [true, false, false, false]);
-        assert!(!Purpose::stored("something new", None).makes_units());
+        assert!(purposes[3].warning().unwrap().contains("from course 7 of ply 2:"));
+        assert!(!Purpose::stored("something new", [None, None]).makes_units());
     }
 }

@@ -106,6 +106,8 @@ codes! {
     CourseOffPly,
     /// A part of the ply lies under no course (planned all the same).
     PlyNotCovered,
+    /// A part of the ply lies under several courses (planned all the same).
+    CoursesOverlap,
     /// No course touches the ply.
     NoCourseOnPly,
     /// A course that turns back on itself, or whose normals are not square to it.

@@ -131,8 +131,13 @@ impl Store {
         let mut tx = self.write().await?;
         let before = find(&mut tx, id).await?;
         let program = answer.program.as_ref().map(|program| program.id.clone());
-        let job =
-            before.clone().succeed(fence, answer.usable, program.clone(), answer.stages.clone(), now)?;
+        let job = before.clone().succeed(
+            fence,
+            (answer.usable, answer.warnings),
+            program.clone(),
+            answer.stages.clone(),
+            now,
+        )?;
         let purpose = insert_answer(&mut tx, &job, answer, now).await?;
         for (stage, at) in reached {
             note_stage(&mut tx, &job, stage, *at).await?;

@@ -50,6 +50,7 @@ struct EntryRow {
     queue: String,
     program_id: String,
     purpose: String,
+    from_ply: Option<i64>,
     from_course: Option<i64>,
     position: i64,
     quantity: i64,
@@ -71,7 +72,7 @@ impl TryFrom<EntryRow> for Entry {
             id: row.id.parse()?,
             queue: row.queue,
             program: row.program_id.parse()?,
-            purpose: Purpose::stored(&row.purpose, row.from_course),
+            purpose: Purpose::stored(&row.purpose, [row.from_ply, row.from_course]),
             position: row.position,
             quantity: row.quantity,
             units: Units { given, done, scrapped, highest },
@@ -86,7 +87,8 @@ impl TryFrom<EntryRow> for Entry {
 macro_rules! entries_where {
     ($condition:literal) => {
         concat!(
-            "SELECT e.id, e.queue, e.program_id, p.purpose, p.from_course, e.position, e.quantity, e.state, e.created_at, e.version,
+            "SELECT e.id, e.queue, e.program_id, p.purpose, p.from_ply, p.from_course, e.position, e.quantity, e.state,
+                    e.created_at, e.version,
                     COUNT(r.id) AS given,
                     COALESCE(SUM(CASE WHEN r.state = 'done' THEN 1 ELSE 0 END), 0) AS done,
                     COALESCE(SUM(r.scrapped), 0) AS scrapped,

@@ -54,8 +54,9 @@ pub(super) fn describe(job: &Job) -> Value {
             }
         }
         State::Running { .. } => {}
-        State::Succeeded { usable, program, .. } => {
+        State::Succeeded { usable, warnings, program, .. } => {
             data["verdict"] = json!(verdict_word(*usable));
+            data["warnings"] = json!(warnings);
             data["program"] = json!(program);
         }
         State::Failed { failure, .. } => {

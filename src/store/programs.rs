@@ -11,6 +11,7 @@ use crate::job::moment::Moment;
 use crate::job::program::Standing;
 use crate::job::purpose::Purpose;
 use crate::planning::outcome::sha256_hex;
+use crate::planning::tape::label::CourseLabel;
 
 /// A program to be kept.
 #[derive(Debug, Clone)]
@@ -114,6 +115,7 @@ struct ProgramRow {
     job_id: String,
     kind: String,
     purpose: String,
+    from_ply: Option<i64>,
     from_course: Option<i64>,
     state: String,
     content_name: String,
@@ -130,7 +132,7 @@ impl ProgramRow {
             id: self.id.parse()?,
             job: self.job_id.parse()?,
             kind: self.kind,
-            purpose: Purpose::stored(&self.purpose, self.from_course),
+            purpose: Purpose::stored(&self.purpose, [self.from_ply, self.from_course]),
             state: self.state,
             content_name: self.content_name,
             media_type: self.media_type,
@@ -150,7 +152,7 @@ impl Store {
     /// `NotFound`, `Database`.
     pub async fn program(&self, id: &ProgramId) -> Result<Program> {
         let row: Option<ProgramRow> = sqlx::query_as(
-            "SELECT id, job_id, kind, purpose, from_course, state, content_name, media_type, sha256, bytes,
+            "SELECT id, job_id, kind, purpose, from_ply, from_course, state, content_name, media_type, sha256, bytes,
                     created_at, version
              FROM programs WHERE id = $1",
         )
@@ -166,7 +168,7 @@ impl Store {
     /// `Database`.
     pub async fn programs(&self, filter: &ProgramFilter) -> Result<Vec<Program>> {
         let rows: Vec<ProgramRow> = sqlx::query_as(
-            "SELECT id, job_id, kind, purpose, from_course, state, content_name, media_type, sha256, bytes,
+            "SELECT id, job_id, kind, purpose, from_ply, from_course, state, content_name, media_type, sha256, bytes,
                     created_at, version
              FROM programs
              WHERE ($1 IS NULL OR state = $1) AND ($2 IS NULL OR job_id = $2) AND ($3 IS NULL OR sha256 = $3)
@@ -299,19 +301,22 @@ async fn quarantine(tx: &mut Writing, id: &ProgramId, name: &str, found: &str, n
 
 /// The word for where a program stands, and what it is for; none if there is no such program.
 pub(super) async fn state_and_purpose(tx: &mut Writing, id: &ProgramId) -> Result<Option<(String, Purpose)>> {
-    let row: Option<(String, String, Option<i64>)> =
-        sqlx::query_as("SELECT state, purpose, from_course FROM programs WHERE id = $1")
+    let row: Option<(String, String, Option<i64>, Option<i64>)> =
+        sqlx::query_as("SELECT state, purpose, from_ply, from_course FROM programs WHERE id = $1")
             .bind(id.as_str())
             .fetch_optional(&mut **tx)
             .await?;
-    Ok(row.map(|(state, purpose, from_course)| (state, Purpose::stored(&purpose, from_course))))
+    Ok(row.map(|(state, purpose, ply, course)| (state, Purpose::stored(&purpose, [ply, course]))))
 }
 
 /// What an audit row says about a program, with what the program is for.
 pub(super) fn with_purpose(mut detail: Value, purpose: Purpose) -> Value {
     detail["purpose"] = json!(purpose);
-    if let Some(number) = purpose.from_course() {
+    if let Some(CourseLabel { ply, number }) = purpose.from_course() {
         detail["from_course"] = json!(number);
+        if let Some(ply) = ply {
+            detail["from_ply"] = json!(ply);
+        }
     }
     detail
 }
@@ -343,8 +348,8 @@ pub(super) async fn insert_program(
     sqlx::query(
         "INSERT INTO programs
          (id, job_id, kind, state, content_position, content_name, media_type, sha256, bytes, created_at, version,
-          profile_sha256, purpose, from_course)
-         VALUES ($1, $2, $3, 'draft', $4, $5, $6, $7, $8, $9, 1, $10, $11, $12)",
+          profile_sha256, purpose, from_ply, from_course)
+         VALUES ($1, $2, $3, 'draft', $4, $5, $6, $7, $8, $9, 1, $10, $11, $12, $13)",
     )
     .bind(program.id.as_str())
     .bind(job.id.as_str())
@@ -357,7 +362,8 @@ pub(super) async fn insert_program(
     .bind(now.unix_ms())
     .bind(planned.profile_sha256)
     .bind(planned.purpose.word())
-    .bind(planned.purpose.from_course())
+    .bind(planned.purpose.from_course().and_then(|course| course.ply))
+    .bind(planned.purpose.from_course().map(|course| course.number))
     .execute(&mut **tx)
     .await?;
     let archive = program.archive.iter().map(|file| (0, file));

@@ -7,6 +7,7 @@ use crate::job::life::{Job, StageTime};
 use crate::job::moment::Moment;
 use crate::job::purpose::Purpose;
 use crate::planning::outcome::sha256_hex;
+use crate::planning::tape::label::CourseLabel;
 
 /// What an attempt gives back to be kept.
 #[derive(Debug, Clone)]
@@ -15,6 +16,8 @@ pub struct Answer {
     pub report: Vec<u8>,
     /// Its verdict.
     pub usable: bool,
+    /// How many warnings it holds.
+    pub warnings: u32,
     /// The drawings.
     pub drawings: Vec<NewDrawing>,
     /// The program, if the verdict is usable.
@@ -115,6 +118,7 @@ fn planned(report: &[u8]) -> Result<Planned> {
     struct Report {
         machine: Option<Machine>,
         from_course: Option<u32>,
+        from_ply: Option<u32>,
         #[serde(default)]
         dry_run: bool,
     }
@@ -123,6 +127,7 @@ fn planned(report: &[u8]) -> Result<Planned> {
         profile_sha256: String,
     }
     let report: Report = serde_json::from_slice(report)?;
-    let purpose = Purpose::of(report.dry_run, report.from_course);
+    let from_course = report.from_course.map(|number| CourseLabel { ply: report.from_ply, number });
+    let purpose = Purpose::of(report.dry_run, from_course);
     Ok(Planned { profile_sha256: report.machine.map(|machine| machine.profile_sha256), purpose })
 }

@@ -36,6 +36,7 @@ pub(super) struct RunRow {
     unit: i64,
     program_id: String,
     purpose: String,
+    from_ply: Option<i64>,
     from_course: Option<i64>,
     sha256: String,
     bytes: i64,
@@ -59,7 +60,7 @@ impl TryFrom<RunRow> for Run {
             entry: row.entry_id.parse()?,
             unit: row.unit,
             program: row.program_id.parse()?,
-            purpose: Purpose::stored(&row.purpose, row.from_course),
+            purpose: Purpose::stored(&row.purpose, [row.from_ply, row.from_course]),
             sha256: row.sha256,
             bytes: row.bytes,
             machine: row.machine,
@@ -82,6 +83,7 @@ macro_rules! runs_where {
             "SELECT id, entry_id, unit, program_id, sha256, bytes, machine, request_id, fence, state, returned,
                     lease_until, created_at, version, life,
                     (SELECT p.purpose FROM programs p WHERE p.id = runs.program_id) AS purpose,
+                    (SELECT p.from_ply FROM programs p WHERE p.id = runs.program_id) AS from_ply,
                     (SELECT p.from_course FROM programs p WHERE p.id = runs.program_id) AS from_course
              FROM runs WHERE ",
             $condition

@@ -94,7 +94,9 @@ fn row(job: Job, drawings: Vec<String>, purpose: Purpose) -> Row {
     let (remark, program) = match &job.state {
         JobState::Queued { .. } => (String::new(), None),
         JobState::Running { stage, .. } => (stage.clone().unwrap_or_default(), None),
-        JobState::Succeeded { program: Some(program), .. } => (usable(purpose), Some(program.to_string())),
+        JobState::Succeeded { program: Some(program), warnings, .. } => {
+            (usable(purpose, *warnings), Some(program.to_string()))
+        }
         JobState::Succeeded { program: None, .. } => ("no usable program: see the report".into(), None),
         JobState::Failed { failure, .. } => (failure.detail.clone(), None),
         JobState::Cancelled { reason, .. } => (reason.clone().unwrap_or_default(), None),
@@ -112,7 +114,13 @@ fn row(job: Job, drawings: Vec<String>, purpose: Purpose) -> Row {
     }
 }
 
-/// A program that is no ordinary one says so at once.
-fn usable(purpose: Purpose) -> String {
-    purpose.warning().map_or_else(|| "usable".to_owned(), |words| format!("usable. {words}"))
+/// A program that is no ordinary one says so at once, and so does one that there are warnings about.
+fn usable(purpose: Purpose, warnings: u32) -> String {
+    let warned = match warnings {
+        0 => String::new(),
+        1 => ", with a warning: see the report".to_owned(),
+        many => format!(", with {many} warnings: see the report"),
+    };
+    let words = purpose.warning().map_or_else(String::new, |words| format!(". {words}"));
+    format!("usable{warned}{words}")
 }

@@ -8,6 +8,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 use super::protocol::{Delivered, Role};
 use crate::job::id::ProgramId;
 use crate::job::life::StageTime;
+use crate::planning::finding::Severity;
 use crate::planning::outcome::Verdict;
 use crate::store::programs::{NewFile, NewProgram};
 use crate::store::results::{Answer, NewDrawing};
@@ -54,18 +55,25 @@ pub fn package(parts: Vec<Delivered>, stages: Vec<StageTime>, program: ProgramId
         _ => Some(NewProgram { id: program, archive: Some(archive(&files)?), files }),
     };
     let report = report.ok_or(Defect::NoReport)?;
-    let usable = verdict(&report)? == Verdict::Usable;
-    Ok(Answer { report, usable, drawings, program, stages })
+    let (usable, warnings) = verdict(&report)?;
+    Ok(Answer { report, usable, warnings, drawings, program, stages })
 }
 
-/// What a report says of its job.
-fn verdict(report: &[u8]) -> Result<Verdict, Defect> {
+/// What a report says of its job: whether it is usable, and how many warnings there are.
+fn verdict(report: &[u8]) -> Result<(bool, u32), Defect> {
     #[derive(serde::Deserialize)]
     struct Report {
         verdict: Verdict,
+        #[serde(default)]
+        findings: Vec<Found>,
+    }
+    #[derive(serde::Deserialize)]
+    struct Found {
+        severity: Severity,
     }
     let report: Report = serde_json::from_slice(report).map_err(Defect::Report)?;
-    Ok(report.verdict)
+    let warnings = report.findings.iter().filter(|found| found.severity == Severity::Warning).count();
+    Ok((report.verdict == Verdict::Usable, u32::try_from(warnings).unwrap_or(u32::MAX)))
 }
 
 /// Names stand in headers, addresses and archives.

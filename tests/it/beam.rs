@@ -180,6 +180,7 @@ fn every_ply_on_a_beam_passes_or_says_where_carriages_meet() {
             machine["cutters"][k]["lateral"]["max_mm"] = json!(450);
             machine["cutters"][k]["lateral"]["park_mm"] = json!([200, -200][k]);
             machine["cutters"][k]["blade"]["offset_mm"] = json!(offset);
+            machine["cutters"][k]["blade"]["edges"] = json!(if offset == 0.0 { "double" } else { "single" });
         });
         let mut job = ply.job();
         job["input"]["options"] = json!({"allocation": if free { "free" } else { "by_slope" }});
@@ -194,6 +195,10 @@ fn every_ply_on_a_beam_passes_or_says_where_carriages_meet() {
         prop_assert!(errors.iter().all(honest), "{:?}", errors);
         let close = errors.iter().any(|finding| finding.code == Code::CarriagesTooClose);
         refusals.set(refusals.get() + usize::from(close));
+        if close && free {
+            let published = plan_job(&job, &machine, &json!({"allocation": "by_slope"})).unwrap();
+            prop_assert_eq!(published.verdict, Verdict::NotUsable, "any valid way is free's too");
+        }
         if errors.is_empty() {
             cut.set(cut.get() + 1);
             prop_assert!(distance(&outcome).0 >= station + more - 2e-4, "{}", distance(&outcome).0);

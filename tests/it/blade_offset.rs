@@ -18,9 +18,14 @@ use crate::profiles::{job, lab, lab_with, plan_job, refused};
 use crate::random_plies::{Ply, plies};
 use crate::rounds::runner;
 
-/// The lab with blades of this offset.
+/// The lab with blades of one edge, this far from the axis.
 pub fn offset(mm: f64) -> Value {
-    lab_with(&[("/cutters/0/blade/offset_mm", json!(mm)), ("/cutters/1/blade/offset_mm", json!(mm))])
+    lab_with(&[
+        ("/cutters/0/blade/offset_mm", json!(mm)),
+        ("/cutters/0/blade/edges", json!("single")),
+        ("/cutters/1/blade/offset_mm", json!(mm)),
+        ("/cutters/1/blade/edges", json!("single")),
+    ])
 }
 
 /// A tape of 75 mm whose ply ends in a slant of 45 degrees, cut by cutter 1 from (400, -37.5) to (325, 37.5).
@@ -56,6 +61,12 @@ fn a_straight_slanted_cut_is_made_where_the_closed_form_has_the_axis() {
     for mm in [4.0, -4.0] {
         let outcome = plan_job(&slanted(), &offset(mm), &json!(null)).unwrap();
         assert_eq!(outcome.verdict, Verdict::Usable, "{:?}", outcome.findings);
+        let sheet = &outcome.attachments.iter().find(|text| text.name == "setup.md").unwrap().text;
+        let way = if mm > 0.0 { "behind" } else { "ahead of" };
+        assert!(
+            sheet.contains(&format!("| edge of knife 1 | 4.0 mm {way} the axis that turns the blade")),
+            "{sheet}"
+        );
         let lead = outcome.report["roll"]["lead_mm"].as_f64().unwrap();
         // An edge that leads is over the cut before its axis, which the tape's leading end makes room for.
         assert!((lead - 400.0 - f64::max(-mm, 0.0)).abs() < 1e-3, "{lead}");
@@ -88,25 +99,25 @@ fn a_program_without_its_offset_does_not_pass() {
     }
 }
 
-/// A blade of two edges cuts with either; one of one edge must not be turned about.
+/// The edge is on one side of the axis: turned about, the blade cuts elsewhere.
 #[test]
-fn one_edge_keeps_its_sense_and_two_need_not() {
-    let single = |mm: f64| {
-        let mut machine = offset(mm);
-        (0..2).for_each(|k| machine["cutters"][k]["blade"]["edges"] = json!("single"));
-        machine
-    };
-    for machine in [offset(3.0), single(3.0)] {
-        let outcome = plan_job(&job("examples/first.job.json"), &machine, &json!(null)).unwrap();
-        assert_eq!(outcome.verdict, Verdict::Usable, "{:?}", outcome.findings);
-    }
+fn an_edge_is_never_turned_about() {
     let mut job = slanted();
-    job["input"]["machine"] = single(3.0);
-    let text = plan_job(&job, &single(3.0), &json!(null)).unwrap().programs.remove(0).text;
+    job["input"]["machine"] = offset(3.0);
+    let text = plan_job(&job, &offset(3.0), &json!(null)).unwrap().programs.remove(0).text;
     assert!(checked(&job, &text).is_empty());
     let blade = text.split_whitespace().find(|word| word.starts_with("A-45")).unwrap();
     let turned = checked(&job, &text.replace(blade, "A135.0"));
     assert!(turned.iter().any(|finding| finding.is_error()), "{turned:?}");
+}
+
+/// A second edge would cut in front of the axis, into the good piece at a corner.
+#[test]
+fn a_blade_of_two_edges_has_them_on_its_axis() {
+    let mut two = offset(3.0);
+    two["cutters"][1]["blade"]["edges"] = json!("double");
+    let faults = refused(&two);
+    assert_eq!(faults, [(Code::ConflictingFields, "/input/machine/cutters/1/blade/edges".to_owned())]);
 }
 
 #[test]

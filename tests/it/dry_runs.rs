@@ -137,6 +137,25 @@ fn what_cuts_no_whole_roll_says_so_everywhere_and_makes_no_unit() {
 }
 
 #[test]
+fn a_restart_within_several_plies_names_the_ply_everywhere() {
+    let served = floor();
+    let mut job: Value = serde_json::from_str(include_str!("../../examples/two-plies.job.json")).unwrap();
+    job["input"]["machine"] = json!(MACHINE);
+    job["input"]["options"] = json!({"allocation": "free", "from_ply": 2, "from_course": 3});
+    let said = |value: &Value| {
+        assert_eq!((&value["from_ply"], &value["from_course"]), (&json!(2), &json!(3)), "{value}");
+    };
+    let program = served.program_of(&job);
+    said(&served.json(&format!("/v1/programs/{program}")));
+    approve(&served, &program);
+    said(&enqueue(&served, MACHINE, &program));
+    assert!(next_in_words(&served).contains("from course 3 of ply 2:"), "{}", next_in_words(&served));
+    said(&run_to_its_end(&served, "r"));
+    assert!(served.get("/").send().unwrap().text().unwrap().contains("from course 3 of ply 2:"));
+    trail(&served).iter().filter(|row| row["subject"] == json!(program)).for_each(|row| said(&row["detail"]));
+}
+
+#[test]
 fn a_program_is_asked_for_as_a_dry_run_and_asked_again_it_is_the_same_job() {
     let served = floor();
     let original = served.program_of(&two_courses(&json!({"allocation": "free"})));

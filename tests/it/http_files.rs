@@ -391,6 +391,7 @@ fn a_store_from_before_there_were_files_is_brought_up_to_date_and_its_jobs_are_p
         "ALTER TABLE jobs DROP COLUMN dry_run_of",
         "ALTER TABLE programs DROP COLUMN purpose",
         "ALTER TABLE programs DROP COLUMN from_course",
+        "ALTER TABLE programs DROP COLUMN from_ply",
         "DROP TABLE job_files",
         "ALTER TABLE job_inputs DROP COLUMN files_sha256",
         "DELETE FROM _sqlx_migrations WHERE version >= 7",

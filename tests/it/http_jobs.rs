@@ -22,6 +22,12 @@ fn a_job_is_taken_in_planned_and_gives_its_program() {
     assert!(job["stages"].as_array().unwrap().iter().all(|stage| stage["seconds"].as_f64().unwrap() >= 0.0));
     let report = served.json(job["links"]["report"].as_str().unwrap());
     assert_eq!(report["verdict"], "usable");
+    // A strip of the ply lies under no course.
+    assert_eq!(
+        report["findings"].as_array().unwrap().iter().filter(|f| f["severity"] == "warning").count(),
+        1
+    );
+    assert_eq!(job["warnings"], 1);
     assert!(report.get("stages").is_none(), "wall-clock times stand in no stored bytes");
     for name in job["drawings"].as_array().into_iter().flatten() {
         let name = name.as_str().unwrap();

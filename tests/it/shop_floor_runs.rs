@@ -458,7 +458,7 @@ fn a_held_machine_gets_nothing_and_a_waiting_one_what_comes() {
     assert_eq!(floor.claim("cutter-1", "w").1["id"], run["id"], "what it has it keeps");
     let text = peek();
     assert!(
-        text.contains("held     by local: new blade\n") && text.contains("unit 2 of 2 of ent_"),
+        text.contains("held     by local: new blade\n") && text.contains("\nthen     unit 2 of 2 of ent_"),
         "{text}"
     );
     let next = floor.served.json("/v1/machines/cutter-1/next");

@@ -46,7 +46,7 @@ fn answer(text: &str) -> Answer {
     let id = ProgramId::new(at(0), &text.as_bytes()[..10].try_into().unwrap());
     let program = Some(NewProgram { id, files: vec![file], archive: None });
     let report = serde_json::json!({"text": text}).to_string().into_bytes();
-    Answer { report, usable: true, drawings: vec![], program, stages: vec![] }
+    Answer { report, usable: true, warnings: 0, drawings: vec![], program, stages: vec![] }
 }
 
 async fn open(folder: &TempDir) -> Store {
@@ -202,8 +202,8 @@ async fn programs_from_before_purposes_get_theirs_from_their_names() {
     let cases = [
         ("tape-cut", "roll.ngc", Purpose::Production),
         ("tape-cut", "roll-dry-run.mpf", Purpose::DryRun { from_course: None }),
-        ("tape-cut", "roll-from-course-12.ngc", Purpose::Restart { from_course: 12 }),
-        ("tape-cut", "roll-from-course-7-dry-run.ngc", Purpose::DryRun { from_course: Some(7) }),
+        ("tape-cut", "roll-from-course-12.ngc", Purpose::Restart { from_course: 12.into() }),
+        ("tape-cut", "roll-from-course-7-dry-run.ngc", Purpose::DryRun { from_course: Some(7.into()) }),
         ("honeycomb-cut", "core.zip", Purpose::Production),
     ];
     for (number, (kind, name, _)) in (1_u8..).zip(cases) {

@@ -211,10 +211,20 @@ fn lines(machine: &str, peek: &Peek, waiting: &[(Entry, WaitingFor)]) -> String 
     if let Some(run) = &peek.run {
         line("run", &format!("{} {} fence {}", run.id, run.state.word(), run.fence));
         run.purpose.warning().iter().for_each(|words| line("", words));
+        line("", "nothing else is given out before it has ended");
+        if run.waits_for_a_person() {
+            line(
+                "",
+                &format!("an operator looks at the machine and says so: PUT /v1/runs/{}/resolution", run.id),
+            );
+        }
     }
     match &peek.next {
         Some((entry, unit)) => {
-            line("next", &format!("unit {unit} of {} of {}", entry.quantity, entry.id));
+            line(
+                if peek.run.is_some() { "then" } else { "next" },
+                &format!("unit {unit} of {} of {}", entry.quantity, entry.id),
+            );
             line("program", entry.program.as_str());
             line("purpose", entry.purpose.word());
             entry.purpose.warning().iter().for_each(|words| line("", words));

@@ -87,6 +87,9 @@ pub struct EntryBody {
     /// The course from which on the program goes, if not from the start.
     #[serde(skip_serializing_if = "Option::is_none")]
     from_course: Option<u32>,
+    /// The ply whose course that is, on a roll of several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    from_ply: Option<u32>,
     /// queued, assigned, finished or cancelled.
     #[schema(value_type = String, example = "queued")]
     state: EntryState,
@@ -185,7 +188,8 @@ impl EntryBody {
             queue: entry.queue,
             program: entry.program.to_string(),
             purpose: entry.purpose,
-            from_course: entry.purpose.from_course(),
+            from_course: entry.purpose.from_course().map(|course| course.number),
+            from_ply: entry.purpose.from_course().and_then(|course| course.ply),
             state: entry.state,
             position: entry.position,
             quantity: entry.quantity,

@@ -86,6 +86,9 @@ pub struct RunBody {
     /// The course from which on the program goes, if not from the start.
     #[serde(skip_serializing_if = "Option::is_none")]
     from_course: Option<u32>,
+    /// The ply whose course that is, on a roll of several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    from_ply: Option<u32>,
     /// The SHA-256 of the program's content, which the receipt names.
     sha256: String,
     /// The length of the program's content, which the receipt names.
@@ -193,7 +196,8 @@ impl From<Run> for RunBody {
             unit: run.unit,
             program: run.program.to_string(),
             purpose: run.purpose,
-            from_course: run.purpose.from_course(),
+            from_course: run.purpose.from_course().map(|course| course.number),
+            from_ply: run.purpose.from_course().and_then(|course| course.ply),
             sha256: run.sha256,
             size: run.bytes,
             returned: run.returned,

@@ -34,6 +34,9 @@ pub struct JobBody {
     /// Whether it gave a program that may be approved; there once it has succeeded.
     #[serde(skip_serializing_if = "Option::is_none")]
     verdict: Option<VerdictWord>,
+    /// How many warnings its report holds; there once it has succeeded. Whoever approves reads them first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    warnings: Option<u32>,
     /// When it was posted.
     #[schema(format = DateTime)]
     created_at: String,
@@ -217,6 +220,9 @@ pub struct ProgramBody {
     /// The course from which on it goes, if not from the start.
     #[serde(skip_serializing_if = "Option::is_none")]
     from_course: Option<u32>,
+    /// The ply whose course that is, on a roll of several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    from_ply: Option<u32>,
     /// draft, approved, superseded, revoked or quarantined.
     #[schema(example = "draft")]
     state: String,
@@ -336,6 +342,7 @@ impl JobBody {
             dry_run_of: job.dry_run_of.map(String::from),
             state: StateWord::Queued,
             verdict: None,
+            warnings: None,
             created_at: job.created_at.to_string(),
             started_at: None,
             finished_at: None,
@@ -360,7 +367,8 @@ impl JobBody {
                 self.started_at = Some(started_at.to_string());
                 self.stage = stage;
             }
-            State::Succeeded { started_at, finished_at, usable, program, stages } => {
+            State::Succeeded { started_at, finished_at, usable, warnings, program, stages } => {
+                self.warnings = Some(warnings);
                 self.state = StateWord::Succeeded;
                 self.started_at = Some(started_at.to_string());
                 self.finished_at = Some(finished_at.to_string());
@@ -449,7 +457,8 @@ impl From<Program> for ProgramBody {
             job: program.job.to_string(),
             kind: program.kind,
             purpose: program.purpose,
-            from_course: program.purpose.from_course(),
+            from_course: program.purpose.from_course().map(|course| course.number),
+            from_ply: program.purpose.from_course().and_then(|course| course.ply),
             state: program.state,
             sha256: program.sha256,
             bytes: program.bytes,

@@ -84,7 +84,7 @@ impl JobInput {
     }
 }
 
-const NAME: Shape = Shape::Text { max_chars: 200 };
+const NAME: Shape = Shape::Name { max_chars: 200 };
 const REFERENCES: Shape = Shape::Texts { max: 50, max_chars: 200 };
 
 const KIND: Shape = Shape::Text { max_chars: 40 };
@@ -187,6 +187,10 @@ fn misfit(words: &str) -> Code {
 /// # Errors
 /// `InvalidJson`, `TooDeep`, `InvalidNumber` or `DuplicateField` with the JSON pointer where reading stopped.
 pub fn parse(text: &[u8]) -> Result<Value, Finding> {
+    if text.starts_with("\u{feff}".as_bytes()) {
+        let message = "begins with a byte order mark, which JSON has none of; save it as UTF-8 without one";
+        return Err(Finding::error(Code::InvalidJson, "", message));
+    }
     let mut reader = serde_json::Deserializer::from_slice(text);
     let Once(value) = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
         let at = pointer_of(error.path());

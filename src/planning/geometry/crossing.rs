@@ -12,7 +12,7 @@ pub struct Crossing {
     pub one: (usize, usize),
     /// Loop and index of the first point of the other.
     pub other: (usize, usize),
-    /// About where.
+    /// Where.
     pub place: Point2,
 }
 
@@ -64,8 +64,22 @@ fn crossing_of(one: &Segment, other: &Segment) -> Crossing {
     Crossing {
         one: (one.loop_index, one.index),
         other: (other.loop_index, other.index),
-        place: nalgebra::center(&nalgebra::center(&one.a, &one.b), &nalgebra::center(&other.a, &other.b)),
+        place: meeting(one, other),
     }
+}
+
+/// Where two segments that meet do: where they cross, or the end that lies on the other.
+fn meeting(one: &Segment, other: &Segment) -> Point2 {
+    let (way, other_way, between) = (one.b - one.a, other.b - other.a, other.a - one.a);
+    let turn = way.perp(&other_way);
+    let (along, other_along) = (between.perp(&other_way) / turn, between.perp(&way) / turn);
+    // Parallel segments give no number, which is in no range.
+    if (0.0..=1.0).contains(&along) && (0.0..=1.0).contains(&other_along) {
+        return one.a + way * along;
+    }
+    let ends = [(one.a, other), (one.b, other), (other.a, one), (other.b, one)];
+    let off = |(end, segment): &(Point2, &Segment)| distance_to_segment(end, &segment.a, &segment.b);
+    ends.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).map_or(one.a, |(end, _)| end)
 }
 
 struct Grid {
@@ -172,12 +186,14 @@ mod tests {
         let bow_tie = points(&[(0.0, 0.0), (4.0, 3.0), (4.0, 0.0), (0.0, 3.0)]);
         let crossing = first_crossing(&[bow_tie], 1e-6).expect("it crosses");
         assert_eq!((crossing.one, crossing.other), ((0, 0), (0, 2)));
+        assert!((crossing.place - Point2::new(2.0, 1.5)).norm() < 1e-12);
     }
 
     #[test]
     fn touches_folds_and_crossing_loops_are_found() {
         let touching = points(&[(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (2.0, 0.0), (0.0, 3.0)]);
-        assert!(first_crossing(&[touching], 1e-6).is_some());
+        let touch = first_crossing(&[touching], 1e-6).expect("it touches");
+        assert!((touch.place - Point2::new(2.0, 0.0)).norm() < 1e-12);
         let spike = points(&[(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (4.0, 1.0), (0.0, 1.0)]);
         assert!(first_crossing(&[spike], 1e-6).is_some());
         let moved = circle(100, 20.0).iter().map(|p| p + nalgebra::Vector2::new(40.0, 0.0)).collect();

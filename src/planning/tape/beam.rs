@@ -172,12 +172,13 @@ impl Beam {
         };
         let message = format!(
             "course {course}: between u {:.3} and {:.3} mm cutter {} {why}: {short_mm:.3} mm are lacking to the {} mm that two \
-             carriages on one beam keep. Try `allocation: free` if that is not asked for, a machine whose stations \
-             are farther apart, or carriages that are parked the other way round",
+             carriages on one beam keep{}. `allocation: free` looks for other knives; where it finds none, it takes a \
+             machine whose stations are farther apart, or carriages that are parked the other way round",
             x_of_u0 - x.1,
             x_of_u0 - x.0,
             numbers[0],
-            self.clearance_mm
+            self.clearance_mm,
+            if short_mm > self.clearance_mm { ", for they would have to pass one another" } else { "" }
         );
         Finding::error(Code::CarriagesTooClose, "/input/machine/carriage_clearance_mm", message)
     }

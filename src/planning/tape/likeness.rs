@@ -34,7 +34,7 @@ fn of_sizes(ply: &Ply, generated: bool, width_mm: f64) -> Option<Finding> {
             format!("the outline measures {ply:.3} mm across and its courses {laid:.3} mm: {advice}");
         return Some(Finding::warning(Code::UnlikeSizes, at, message));
     }
-    (width_mm / ply > UNLIKE_SIZES).then(|| {
+    (width_mm > ply).then(|| {
         let message =
             format!("the outline measures {ply:.3} mm across and the tape is {width_mm} mm wide: {advice}");
         Finding::warning(Code::UnlikeSizes, at, message)

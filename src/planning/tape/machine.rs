@@ -281,6 +281,11 @@ fn check_cutters(profile: &wire::MachineProfile, at: &str, faults: &mut Vec<Find
             );
             faults.push(Finding::error(Code::OutOfRange, format!("{here}/blade/offset_mm"), message));
         }
+        if cutter.blade.offset_mm != 0.0 && cutter.blade.edges == wire::Edges::Double {
+            let message = "an edge beside the axis of its blade is the only one: a second would cut in front of the axis, \
+                           where nobody asked for it; let edges be single, or offset_mm 0";
+            faults.push(Finding::error(Code::ConflictingFields, format!("{here}/blade/edges"), message));
+        }
         if cutter.lateral.min_mm >= cutter.lateral.max_mm {
             let message = "min_mm must be smaller than max_mm";
             faults.push(Finding::error(Code::OutOfRange, format!("{here}/lateral/min_mm"), message));

@@ -11,6 +11,7 @@ pub mod beam;
 pub mod block;
 pub mod chain;
 pub mod courses;
+mod coverage;
 pub mod curve;
 pub mod develop;
 mod difference;

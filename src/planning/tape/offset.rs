@@ -14,7 +14,7 @@
 //! what is left is refused.
 
 use super::chain::Chain;
-use super::machine::{Cutter, Edges, Machine};
+use super::machine::{Cutter, Machine};
 use super::stroke::{DECIMALS, Knot, Stroke, thinned};
 use crate::planning::finding::{Code, Finding};
 use crate::planning::geometry::{Point2, Vector2};
@@ -121,16 +121,10 @@ pub fn ahead_mm(cutter: &Cutter, blade_deg: f64) -> Vector2 {
     Vector2::new(-sin, cos) * cutter.offset.mm()
 }
 
-/// Where the edge has been, for places (r, v) of an axis in mm with the blade in degrees at each: the axis leads in the
-/// direction in which it moves over the tape.
+/// Where the edge has been, for places (r, v) of an axis in mm with the blade in degrees at each.
 #[must_use]
 pub fn edge(places: &[([f64; 2], f64)], cutter: &Cutter) -> Vec<[f64; 2]> {
-    let along = places.windows(2).map(|pair| {
-        let (sin, cos) = f64::midpoint(pair[0].1, pair[1].1).to_radians().sin_cos();
-        (pair[1].0[0] - pair[0].0[0]) * sin + (pair[1].0[1] - pair[0].0[1]) * cos
-    });
-    let turned = cutter.edges == Edges::Double && along.sum::<f64>() < 0.0;
-    let offset = if turned { -cutter.offset.mm() } else { cutter.offset.mm() };
+    let offset = cutter.offset.mm();
     let edge = places.iter().map(|([r, v], blade)| {
         let (sin, cos) = blade.to_radians().sin_cos();
         [r - offset * sin, v - offset * cos]
@@ -333,13 +327,15 @@ fn lengthwise(knot: &Knot) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::chain::split;
-    use super::super::machine::{check, two_cutter_lab};
+    use super::super::machine::{Edges, check, two_cutter_lab};
     use super::super::stroke::strokes;
     use super::*;
 
     fn machine(offset_mm: f64) -> Machine {
         let mut profile = two_cutter_lab();
-        profile.cutters.iter_mut().for_each(|cutter| cutter.blade.offset_mm = offset_mm);
+        for cutter in &mut profile.cutters {
+            (cutter.blade.edges, cutter.blade.offset_mm) = (Edges::Single, offset_mm);
+        }
         check(&profile, "").unwrap()
     }
 
@@ -410,16 +406,14 @@ mod tests {
     }
 
     #[test]
-    fn the_edge_is_found_again_from_its_axis_whichever_way_the_blade_was_turned() {
+    fn the_edge_is_found_again_from_its_axis() {
         let (machine, list) = (machine(3.0), [(50.0, -20.0), (48.0, 0.0), (42.0, 18.0)]);
-        for turned in [0.0, 180.0, -180.0] {
-            let made = followed(&list, 3.0).unwrap().remove(0);
-            let place = |knot: &Knot| ([100.0 - knot.x, knot.v], knot.blade_deg + turned);
-            let places: Vec<_> = made.knots.iter().map(place).collect();
-            let found = edge(&places, &machine.cutters[0]);
-            let off = |a: [f64; 2], b: (f64, f64)| (a[0] - b.0).hypot(a[1] - b.1);
-            assert!(off(found[0], list[0]) < 2e-4 && off(found[found.len() - 1], list[2]) < 2e-4);
-            assert!(found[1..found.len() - 1].iter().all(|&at| off(at, list[1]) < 2e-4), "{found:?}");
-        }
+        let made = followed(&list, 3.0).unwrap().remove(0);
+        let places: Vec<_> =
+            made.knots.iter().map(|knot| ([100.0 - knot.x, knot.v], knot.blade_deg)).collect();
+        let found = edge(&places, &machine.cutters[0]);
+        let off = |a: [f64; 2], b: (f64, f64)| (a[0] - b.0).hypot(a[1] - b.1);
+        assert!(off(found[0], list[0]) < 2e-4 && off(found[found.len() - 1], list[2]) < 2e-4);
+        assert!(found[1..found.len() - 1].iter().all(|&at| off(at, list[1]) < 2e-4), "{found:?}");
     }
 }

@@ -148,15 +148,15 @@ fn check_in_plane(drafts: &[Draft], findings: &mut Vec<Finding>) {
     }
     let loops: Vec<Vec<Point2>> = drafts.iter().map(|draft| plane.flatten(&draft.points)).collect();
     if let Some(crossing) = first_crossing(&loops, SAME_POINT_MM) {
-        return findings.push(crossing_finding(drafts, &crossing));
+        return findings.push(crossing_finding(drafts, &crossing, &plane));
     }
     check_holes(drafts, &loops, findings);
 }
 
-fn crossing_finding(drafts: &[Draft], crossing: &Crossing) -> Finding {
+fn crossing_finding(drafts: &[Draft], crossing: &Crossing, plane: &Plane) -> Finding {
     let (one, other) = (&drafts[crossing.one.0], &drafts[crossing.other.0]);
     let (from, to) = (one.indices[crossing.one.1], other.indices[crossing.other.1]);
-    let near = one.points[crossing.one.1];
+    let near = plane.raised(&crossing.place);
     let message = format!(
         "the segment that begins here crosses or touches the one that begins at {}/{to}, near x {:.3} y {:.3} z {:.3} mm",
         other.at, near.x, near.y, near.z
@@ -180,14 +180,6 @@ fn check_holes(drafts: &[Draft], loops: &[Vec<Point2>], findings: &mut Vec<Findi
             findings.push(Finding::info(Code::OutlineSense, at, message));
         }
     }
-}
-
-/// The area in mm^2 of a flat ply less its cut-outs; `None` on a curved mould.
-#[must_use]
-pub fn flat_area(boundary: &Loop, holes: &[Loop]) -> Option<f64> {
-    let plane = Plane::of(boundary)?;
-    let area = |points: &Loop| signed_area(&plane.flatten(points)).abs();
-    plane.holds(boundary).then(|| area(boundary) - holes.iter().map(area).sum::<f64>())
 }
 
 /// The plane through a loop; seen against its normal the loop turns counter-clockwise.
@@ -224,7 +216,14 @@ impl Plane {
         points.iter().all(|point| (point - self.origin).dot(&self.normal).abs() <= FLAT_MM)
     }
 
-    fn flatten(&self, points: &Loop) -> Vec<Point2> {
+    /// The point of the plane that [`Plane::flatten`] puts here.
+    fn raised(&self, point: &Point2) -> Point3 {
+        self.origin + self.x * point.x + self.y * point.y
+    }
+
+    /// Points in the axes of the plane, as if they lay in it.
+    #[must_use]
+    pub fn flatten(&self, points: &[Point3]) -> Vec<Point2> {
         points
             .iter()
             .map(|point| {

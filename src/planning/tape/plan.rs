@@ -1,19 +1,20 @@
 //! The plan of a ply: pieces, their chains, their places on the roll and their knives.
 
 use super::assign::{RollChain, assign, passing, published};
+use super::beam::Beam;
 use super::block::{Block, Rule, Way};
 use super::chain::{Chain, split};
+use super::coverage;
 use super::develop::{PlyInSpace, develop};
 use super::input::{Allocation, Course, OnExcess, Ply, TapeInput};
 use super::label::{CourseLabel, CoursePlace};
 use super::machine::{Cutter, Machine};
 use super::offset::{busy_mm, parted};
-use super::outline::flat_area;
 use super::pace::least_time;
 use super::piece::{Piece, within_strip};
 use super::place::Tape;
 use super::roll::{Roll, RollFigures, lay};
-use super::sides::keep_sides;
+use super::sides::{self, keep_sides};
 use super::sliver::{self, Marks};
 use super::stroke::{Stroke, strokes};
 use super::zone;
@@ -21,7 +22,6 @@ use crate::planning::budget::Budget;
 use crate::planning::finding::{Code, Finding};
 use crate::planning::program::number::rounded;
 use crate::planning::program::replay::WantedCut;
-use crate::planning::tolerance::COVERED_SHARE;
 
 /// The plan of a ply.
 #[derive(Debug, Clone)]
@@ -95,7 +95,7 @@ pub fn plan(
     budget.stage("chains");
     findings.extend(assign_knives(&mut courses, input)?);
     budget.stage("roll");
-    let planned = on_roll(courses, input, budget)?;
+    let planned = placed(courses, input, budget)?;
     findings.extend(planned.shared_cuts());
     findings.extend(zone::unused(input, planned.figures.tape_used_mm));
     Ok(planned)
@@ -115,25 +115,11 @@ fn courses_of_plies(
                 format!("no course touches {ply}: see whether both are in one coordinate system, in mm");
             faults.push(Finding::error(Code::NoCourseOnPly, format!("{}/tracks", ply.place), message));
         } else {
-            findings.extend(uncovered(&of_ply, ply));
+            findings.extend(coverage::findings(&of_ply, ply, input.width.mm()));
         }
         courses.extend(of_ply);
     }
     if faults.is_empty() { Ok(courses) } else { Err(faults) }
-}
-
-/// Says how much of a flat ply its courses leave bare. Courses that overlap hide a part of it.
-fn uncovered(courses: &[PlannedCourse], ply: &Ply) -> Option<Finding> {
-    let area_mm2 = flat_area(&ply.boundary, &ply.holes)?;
-    let covered: f64 = courses.iter().flat_map(|course| &course.pieces).map(|p| p.piece.area_mm2).sum();
-    if covered >= COVERED_SHARE * area_mm2 {
-        return None;
-    }
-    let message = format!(
-        "the courses cover {:.1} % of {ply} at most; see whether a course is missing, or the tape's width is in mm",
-        covered / area_mm2 * 100.0
-    );
-    Some(Finding::warning(Code::PlyNotCovered, format!("{}/tracks", ply.place), message))
 }
 
 fn pieces_of_courses(
@@ -230,9 +216,16 @@ fn assign_knives(courses: &mut [PlannedCourse], input: &TapeInput) -> Result<Vec
         findings.clear();
     }
     if input.machine.cutters.iter().any(Cutter::swivels) {
-        let counted = " (places are those of the blades' axes, which lie beside their edges)";
+        let counted = " (places are those of the blades' axes, which lie beside their edges: a blade with less offset takes less room)";
         faults.iter_mut().for_each(|fault: &mut Finding| fault.message.push_str(counted));
     }
+    let way_out = match input.on_excess {
+        OnExcess::Reject => "; `on_excess: simplify` changes an outline on its scrap side where that helps",
+        OnExcess::Simplify => {
+            "; `on_excess: simplify` is of no help here: it changes a cut that needs too many knives by itself, and no cut-out"
+        }
+    };
+    faults.iter_mut().for_each(|fault: &mut Finding| fault.message.push_str(way_out));
     if faults.is_empty() { Ok(findings) } else { Err(faults) }
 }
 
@@ -252,14 +245,32 @@ fn roll_chains(course: &PlannedCourse, piece: &PlannedPiece) -> Vec<RollChain> {
     piece.chains.iter().filter(|(chain, _)| !piece.shares(chain)).map(on_roll).collect()
 }
 
+/// The pieces at their places on the roll. Where carriages on one beam would meet with the knives that `free` finds, and
+/// would not with those of the published rule, that rule it is.
+fn placed(
+    courses: Vec<PlannedCourse>,
+    input: &TapeInput,
+    budget: &Budget<'_>,
+) -> Result<TapePlan, Vec<Finding>> {
+    if input.allocation != Allocation::Free {
+        return on_roll(courses, input, Rule::Given, budget);
+    }
+    let published = Beam::of(&input.machine).map(|_| courses.clone());
+    let free = on_roll(courses, input, Rule::Count, budget)?;
+    let lacking = sides::lacking(&free, input);
+    let Some(published) = published.filter(|_| lacking.0 > 0) else { return Ok(free) };
+    let published = on_roll(published, input, Rule::Given, budget);
+    Ok(published.ok().filter(|plan| sides::lacking(plan, input) < lacking).unwrap_or(free))
+}
+
 fn on_roll(
     mut courses: Vec<PlannedCourse>,
     input: &TapeInput,
+    rule: Rule,
     budget: &Budget<'_>,
 ) -> Result<TapePlan, Vec<Finding>> {
     let places = indices(&courses);
     let knives = input.machine.cutters.len();
-    let rule = if input.allocation == Allocation::Free { Rule::Count } else { Rule::Given };
     let half_mm = input.width.mm() / 2.0;
     let pieces = courses.iter().flat_map(|course| &course.pieces);
     let blocks: Vec<Block> = pieces.map(|p| Block::new(&p.piece, &p.chains, half_mm, knives, rule)).collect();

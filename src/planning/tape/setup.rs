@@ -175,6 +175,7 @@ fn zero_part(program: &TapeProgram, machine: &Machine) -> String {
                 parked(cutter)
             ),
         ));
+        rows.extend(edge(cutter).map(|is| (format!("edge of knife {number}"), is)));
         rows.push((
             format!("{} (degrees)", cutter.blade_axis),
             format!("0 with blade {number} square across the tape, its edge toward +V"),
@@ -189,6 +190,23 @@ fn zero_part(program: &TapeProgram, machine: &Machine) -> String {
         "Where the axes read 0 (set before the whole program, not now)"
     };
     format!("## {title}\n\n{}", table(&rows))
+}
+
+/// Where the edge of a knife is, if not on the axis of its blade, and whether its cuts go on past their ends.
+fn edge(cutter: &Cutter) -> Option<String> {
+    let length = |of: &Length| fixed(of.mm().abs(), 3);
+    let offset = cutter.swivels().then(|| {
+        let way = if cutter.offset.mm() > 0.0 { "behind" } else { "ahead of" };
+        format!(
+            "{} mm {way} the axis that turns the blade, along the cut; every 0 here, and every position in the program, is that \
+             of the axis",
+            length(&cutter.offset)
+        )
+    });
+    let overcut = (cutter.overcut.mm() > 0.0)
+        .then(|| format!("cuts go on by {} mm past their ends where that is scrap", length(&cutter.overcut)));
+    let both: Vec<String> = offset.into_iter().chain(overcut).collect();
+    (!both.is_empty()).then(|| both.join("; "))
 }
 
 fn parked(cutter: &Cutter) -> String {

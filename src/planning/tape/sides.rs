@@ -34,6 +34,18 @@ pub fn keep_sides(plan: &mut TapePlan, input: &TapeInput) {
     sides.give();
 }
 
+/// What carriages on one beam lack in a plan: how many times they meet, and by how much altogether in mm.
+#[must_use]
+pub fn lacking(plan: &TapePlan, input: &TapeInput) -> (usize, f64) {
+    cost(&conflicts_of(plan, input))
+}
+
+fn conflicts_of(plan: &TapePlan, input: &TapeInput) -> Vec<Conflict> {
+    // Where the tape would run back there is no timeline, and that is said later.
+    let strokes = super::axis_strokes(plan, input);
+    strokes.map(|strokes| conflicts(strokes, &input.machine)).unwrap_or_default()
+}
+
 /// What conflicts weigh: first how many there are, then how much is lacking.
 fn cost(found: &[Conflict]) -> (usize, f64) {
     (found.len(), found.iter().map(|conflict| conflict.short_mm).sum())
@@ -60,9 +72,7 @@ impl Sides<'_> {
     fn conflicts(&mut self) -> Vec<Conflict> {
         self.tries += 1;
         self.give();
-        // Where the tape would run back there is no timeline, and that is said later.
-        let strokes = super::axis_strokes(self.plan, self.input);
-        strokes.map(|strokes| conflicts(strokes, &self.input.machine)).unwrap_or_default()
+        conflicts_of(self.plan, self.input)
     }
 
     /// The carriage above gets what lies above.

@@ -15,6 +15,7 @@
 use serde::Serialize;
 
 use super::chain::Chain;
+use super::label::CourseLabel;
 use super::machine::Machine;
 use super::plan::{PlannedPiece, TapePlan};
 use crate::planning::finding::{Code, Finding};
@@ -100,7 +101,7 @@ pub fn lacking_overcut(tips: &[Tip], machine: &Machine) -> Option<Finding> {
         "for the errors in the profile the cuts of two knives may not meet at {} tips: at the one of course {}, piece {}, \
          they would have to go on by {} mm, and overcut_mm is {}",
         lacking.len(),
-        worst.course,
+        CourseLabel { ply: worst.ply, number: worst.course },
         worst.piece,
         fixed(worst.severing_overcut_mm, 3),
         overcut(worst)

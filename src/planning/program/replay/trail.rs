@@ -10,7 +10,7 @@ use super::faults::Faults;
 use super::reel::STRAIGHT_MM;
 use super::strokes::Stroke;
 use super::travel::{PRINTED_DEG, PRINTED_MM};
-use crate::planning::tape::machine::{Cutter, Edges};
+use crate::planning::tape::machine::Cutter;
 use crate::planning::tolerance::REPLAY_SLACK_MM;
 
 /// A move is looked at in no more parts than this for the turn of its blade: half a turn at an offset of 1 m.
@@ -63,17 +63,7 @@ impl Trail {
     }
 
     fn edge(&self, cutter: &Cutter) -> Vec<[f64; 2]> {
-        let forward_mm: f64 = self
-            .places
-            .windows(2)
-            .map(|pair| {
-                let half_deg = (pair[0].blade_deg + pair[1].blade_deg) / 2.0;
-                let blade = unit(half_deg);
-                (pair[1].at[0] - pair[0].at[0]) * blade[0] + (pair[1].at[1] - pair[0].at[1]) * blade[1]
-            })
-            .sum();
-        let other_edge = cutter.edges == Edges::Double && forward_mm < 0.0;
-        let trails_mm = if other_edge { -cutter.offset.mm() } else { cutter.offset.mm() };
+        let trails_mm = cutter.offset.mm();
         let stands = |place: &Place| {
             let blade = unit(place.blade_deg);
             [place.at[0] - trails_mm * blade[0], place.at[1] - trails_mm * blade[1]]
@@ -106,11 +96,11 @@ fn unit(blade_deg: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::planning::tape::machine::{check, two_cutter_lab};
+    use crate::planning::tape::machine::{Edges, check, two_cutter_lab};
 
-    fn cutter(edges: Edges) -> Cutter {
+    fn cutter() -> Cutter {
         let mut profile = two_cutter_lab();
-        profile.cutters[0].blade.edges = edges;
+        profile.cutters[0].blade.edges = Edges::Single;
         profile.cutters[0].blade.offset_mm = 2.0;
         check(&profile, "").unwrap().cutters.remove(0)
     }
@@ -130,21 +120,19 @@ mod tests {
 
     #[test]
     fn the_edge_stays_while_its_axis_goes_round_it() {
-        for (edges, turned) in [(Edges::Single, 0.0), (Edges::Double, 0.0), (Edges::Double, 180.0)] {
-            let edge = corner(turned).edge(&cutter(edges));
-            let near = |at: [f64; 2], to: [f64; 2]| (at[0] - to[0]).hypot(at[1] - to[1]) < 1e-9;
-            assert!(near(edge[0], [10.0, 1.0]) && near(edge[edge.len() - 1], [6.0, 5.0]), "{edge:?}");
-            assert!(edge[1..edge.len() - 1].iter().all(|&at| near(at, [10.0, 5.0])));
-        }
-        // One edge, and the blade the wrong way round: it cuts somewhere else.
-        let edge = corner(180.0).edge(&cutter(Edges::Single));
+        let edge = corner(0.0).edge(&cutter());
+        let near = |at: [f64; 2], to: [f64; 2]| (at[0] - to[0]).hypot(at[1] - to[1]) < 1e-9;
+        assert!(near(edge[0], [10.0, 1.0]) && near(edge[edge.len() - 1], [6.0, 5.0]), "{edge:?}");
+        assert!(edge[1..edge.len() - 1].iter().all(|&at| near(at, [10.0, 5.0])));
+        // The blade the wrong way round: it cuts somewhere else.
+        let edge = corner(180.0).edge(&cutter());
         assert!((edge[0][1] - 5.0).abs() < 1e-9, "{edge:?}");
     }
 
     #[test]
     fn a_turn_on_the_spot_counts_against_the_lift_angle() {
         let found = |lift: f64| {
-            let mut cutter = cutter(Edges::Double);
+            let mut cutter = cutter();
             cutter.lift_angle = crate::planning::units::Angle::from_degrees(lift);
             let mut faults = Faults::new("p");
             corner(0.0).finish(&cutter, &mut faults);
@@ -155,7 +143,7 @@ mod tests {
 
     #[test]
     fn parts_keep_the_edge_straight() {
-        let cutter = cutter(Edges::Double);
+        let cutter = cutter();
         assert_eq!(parts(&cutter, 0.0), 1);
         // 2 mm and 10 degrees: 2 * 0.1745^2 / 8 = 0.0076 mm.
         assert_eq!(parts(&cutter, 10.0), 28);

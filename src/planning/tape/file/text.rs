@@ -226,6 +226,11 @@ fn number(word: &str) -> Result<f64, (Code, String)> {
             Code::OutOfRange,
             format!("{} does not lie between -{LARGEST_MM} and {LARGEST_MM}", quoted(word)),
         )),
+        _ if word.contains(';') => {
+            let message =
+                format!("{} is no number; blanks, tabs or a comma stand between numbers", quoted(word));
+            Err((Code::WrongType, message))
+        }
         _ => Err((Code::WrongType, format!("{} is no number", quoted(word)))),
     }
 }
