@@ -1,6 +1,5 @@
 //! `bladeplan plan JOB.json --out DIR`.
 
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
@@ -31,6 +30,8 @@ pub struct Arguments {
 /// Plans a job and writes what came of it.
 #[must_use]
 pub fn run(arguments: &Arguments) -> ExitCode {
+    // A report may be as large as its ply: it is read before there is anything else to keep.
+    let left = Left::read(&arguments.out);
     let (document, files) = match read(&arguments.job) {
         Ok(read) => read,
         Err(code) => {
@@ -49,7 +50,7 @@ pub fn run(arguments: &Arguments) -> ExitCode {
             return code;
         }
     };
-    if let Err(error) = write(&outcome, &arguments.out) {
+    if let Err(error) = write(&outcome, &arguments.out, left) {
         eprintln!("cannot write into {}: {error}", arguments.out.display());
         return ExitCode::from(INVALID);
     }
@@ -91,12 +92,15 @@ struct LeftProgram {
     name: String,
 }
 
+impl Left {
+    fn read(folder: &Path) -> Self {
+        let report = std::fs::read(folder.join(REPORT)).unwrap_or_default();
+        serde_json::from_slice(&report).unwrap_or_default()
+    }
+}
+
 /// Takes away what an earlier plan has left: a program of another job must not lie beside this one's report.
-fn clear(folder: &Path) -> std::io::Result<()> {
-    let Ok(report) = std::fs::File::open(folder.join(REPORT)) else { return Ok(()) };
-    // A report may be as large as the ply; nothing of it is kept but the names.
-    let left = serde_json::from_reader(BufReader::new(report));
-    let Left { programs, drawings, attachments } = left.unwrap_or_default();
+fn clear(folder: &Path, Left { programs, drawings, attachments }: Left) -> std::io::Result<()> {
     let programs = programs.into_iter().map(|program| program.name);
     for name in programs.chain(drawings).chain(attachments).chain([REPORT.to_owned()]) {
         let name = name.as_str();
@@ -109,9 +113,9 @@ fn clear(folder: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
-fn write(outcome: &Outcome, folder: &Path) -> std::io::Result<()> {
+fn write(outcome: &Outcome, folder: &Path, left: Left) -> std::io::Result<()> {
     std::fs::create_dir_all(folder)?;
-    clear(folder)?;
+    clear(folder, left)?;
     let report = outcome.report.text();
     let files = std::iter::once((REPORT, report))
         .chain(outcome.programs.iter().map(|program| (program.name.as_str(), program.text.as_str())))
