@@ -1,5 +1,5 @@
 //! Ends of any shape, on a machine of one cutter and of two: with `simplify` every one has a program, no cut goes into the
-//! ply, and an end that needs no change gets none.
+//! ply, and an end that needs no change gets none. So have pieces that are shorter than their ends are slanted.
 
 use std::cell::Cell;
 
@@ -40,24 +40,33 @@ fn job(heights: &[f64], on_excess: &str, cutters: usize) -> Value {
 }
 
 fn planned(heights: &[f64], on_excess: &str, cutters: usize) -> Outcome {
-    let job = document::read(job(heights, on_excess, cutters).to_string().as_bytes()).unwrap();
+    plan_of(&job(heights, on_excess, cutters))
+}
+
+fn plan_of(job: &Value) -> Outcome {
+    let job = document::read(job.to_string().as_bytes()).unwrap();
     plan(&job, &Files::default(), &Catalogue::built_in(), &Budget::unwatched()).unwrap()
 }
 
 /// The largest u that the planned chains reach at a v: beyond it there is scrap.
 fn reach(outcome: &Outcome, v: f64) -> f64 {
+    heights_at(outcome, v).1
+}
+
+/// The smallest and the largest u of the planned chains at a v.
+fn heights_at(outcome: &Outcome, v: f64) -> (f64, f64) {
     let cuts = outcome.report["courses"][0]["pieces"][0]["cuts"].as_array().unwrap();
     let points = |cut: &Value| -> Vec<[f64; 2]> { serde_json::from_value(cut["points_uv"].clone()).unwrap() };
     let across =
         cuts.iter().flat_map(|cut| points(cut).windows(2).map(|pair| [pair[0], pair[1]]).collect::<Vec<_>>());
     let at = |[a, b]: [[f64; 2]; 2]| {
-        let (low, high) = (a[1].min(b[1]), a[1].max(b[1]));
-        if !(low..=high).contains(&v) {
-            return f64::NEG_INFINITY;
-        }
-        if a[1] == b[1] { a[0].max(b[0]) } else { a[0] + (v - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) }
+        let holds = (a[1].min(b[1])..=a[1].max(b[1])).contains(&v);
+        let one = if a[1] == b[1] { b[0] } else { a[0] + (v - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) };
+        let other = if a[1] == b[1] { a[0] } else { one };
+        holds.then(|| (one.min(other), one.max(other)))
     };
-    across.map(at).fold(f64::NEG_INFINITY, f64::max)
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    across.filter_map(at).fold(none, |all, here| (all.0.min(here.0), all.1.max(here.1)))
 }
 
 /// How far into the ply a cut may go: domain.md A5 takes a step back of less than 0.01 mm for none, and it is levelled from
@@ -110,6 +119,34 @@ fn every_end_has_a_program_and_no_cut_goes_into_the_ply() {
         })
         .unwrap();
     // Of use only if both happen.
+    assert!(counts.iter().all(|count| count.get() > 5), "changed and not: {counts:?}");
+}
+
+#[test]
+fn pieces_whose_ends_overlap_have_a_program_too() {
+    let pieces = prop::collection::vec((0.0..150.0_f64, 5.0..150.0_f64), 2..6);
+    let counts = [Cell::new(0), Cell::new(0)];
+    let test = |(ends, cutters): (Vec<(f64, f64)>, usize)| {
+        let (lower, heights): (Vec<f64>, Vec<f64>) =
+            ends.iter().map(|(low, length)| (END + low, low + length)).unzip();
+        let mut job = job(&heights, "simplify", cutters);
+        let across = end(&heights).into_iter().zip(&lower).rev().map(|([_, v], low)| json!([low, v, 0.0]));
+        let upper = end(&heights).into_iter().map(|[u, v]| json!([u, v, 0.0]));
+        job["input"]["boundary"]["points"] = across.chain(upper).collect();
+        let outcome = plan_of(&job);
+        prop_assert_eq!(outcome.verdict, Verdict::Usable, "{:?}", outcome.findings);
+        let all: Vec<f64> = lower.iter().copied().chain(end(&heights).iter().map(|[u, _]| *u)).collect();
+        for ([u, v], low) in end(&heights).into_iter().zip(&lower) {
+            let (least, most) = heights_at(&outcome, v);
+            let into = levelled(&all) + 1e-6;
+            prop_assert!(least <= low + into && most >= u - into, "{v}: {least} {low} {u} {most}");
+        }
+        let changed = outcome.report["simplified"].as_array().is_some_and(|said| !said.is_empty());
+        let count = &counts[usize::from(changed)];
+        count.set(count.get() + 1);
+        Ok(())
+    };
+    runner(60).run(&(pieces, 1..=2_usize), test).unwrap();
     assert!(counts.iter().all(|count| count.get() > 5), "changed and not: {counts:?}");
 }
 

@@ -6,16 +6,16 @@ use i_overlay::float::single::SingleFloatOverlay;
 
 use super::input::{Course, Ply};
 use super::outline::Plane;
-use super::plan::PlannedCourse;
 use crate::planning::finding::{Code, Finding};
 use crate::planning::geometry::polygon::signed_area;
 use crate::planning::geometry::{Point2, Vector2};
 use crate::planning::tolerance::{COVERED_SHARE, STRAIGHT_MM};
 
-/// Says how much of a flat ply lies under none of its courses, and how much under several. Of a ply on a curved mould, or
+/// Says how much of a flat ply lies under none of its courses, and how much under several; `laid_mm2` is the area of all its
+/// pieces. Of a ply on a curved mould, or
 /// of courses that are steered, the areas of the pieces alone tell: then courses that overlap hide a part of what is bare.
 #[must_use]
-pub fn findings(courses: &[PlannedCourse], ply: &Ply, width_mm: f64) -> Vec<Finding> {
+pub fn findings(laid_mm2: f64, ply: &Ply, width_mm: f64) -> Vec<Finding> {
     let Some(plane) = Plane::of(&ply.boundary).filter(|plane| plane.holds(&ply.boundary)) else {
         return Vec::new();
     };
@@ -23,10 +23,6 @@ pub fn findings(courses: &[PlannedCourse], ply: &Ply, width_mm: f64) -> Vec<Find
         std::iter::once(&ply.boundary).chain(&ply.holes).map(|outline| plane.flatten(outline)).collect();
     let areas = outlines.iter().map(|outline| signed_area(outline).abs());
     let area_mm2 = areas.enumerate().map(|(index, area)| if index == 0 { area } else { -area }).sum::<f64>();
-    let pieces = courses.iter().flat_map(|course| &course.pieces);
-    // What a changed outline has more than the ply lies on scrap.
-    let laid_mm2: f64 =
-        pieces.map(|p| p.piece.area_mm2 - p.simplified.map_or(0.0, |(_, extra_mm2)| extra_mm2)).sum();
     let strips: Option<Vec<Strip>> = ply.courses.iter().map(|course| Strip::of(course, &plane)).collect();
     let covered_mm2 = match &strips {
         Some(strips) if !apart(strips, width_mm) => area_mm2 - bare_mm2(&outlines, strips, width_mm),

@@ -8,6 +8,7 @@
 
 use std::ops::Range;
 
+use super::developed::{DevelopedLoop, DevelopedPly};
 use super::foot::{CONTINUED_WIDTHS, Curved};
 use super::input::Course;
 use super::machine::CutSide;
@@ -15,48 +16,6 @@ use crate::planning::finding::{Code, Finding};
 use crate::planning::geometry::stretches::{Reach, Stretches};
 use crate::planning::geometry::{Point2, Point3, Vector3};
 use crate::planning::tolerance::{FLAT_MM, SQUARE_COSINE, STRAIGHT_MM};
-
-/// A point of an outline in (u, v) of a course, or `None` if it belongs to another part of the mould.
-pub type Developed = Option<Point2>;
-
-/// The outlines of a ply in (u, v) of one course.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DevelopedPly {
-    /// The boundary.
-    pub boundary: DevelopedLoop,
-    /// The cut-outs.
-    pub holes: Vec<DevelopedLoop>,
-}
-
-/// An outline in (u, v) of one course. A stretch of it that is not within the tape may be one place that is not known.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct DevelopedLoop {
-    /// Its points in order.
-    pub places: Vec<Developed>,
-    /// Where each of them stands in the outline.
-    pub indices: Vec<usize>,
-}
-
-impl DevelopedLoop {
-    /// A point, by its place in the outline.
-    pub fn push(&mut self, index: usize, place: Developed) {
-        self.places.push(place);
-        self.indices.push(index);
-    }
-
-    /// What comes next is not within the tape.
-    pub fn leave_out(&mut self) {
-        self.push(self.indices.last().copied().unwrap_or(0), None);
-    }
-}
-
-impl From<Vec<Developed>> for DevelopedLoop {
-    /// An outline of which every point stands for itself.
-    fn from(places: Vec<Developed>) -> Self {
-        let indices = (0..places.len()).collect();
-        Self { places, indices }
-    }
-}
 
 /// The outlines of a ply in space, made ready for many courses to ask what of them is near.
 #[derive(Debug, Clone)]
@@ -139,13 +98,13 @@ pub fn develop(
         Flat::of(course, stretches().flat_map(|((points, _), near)| stretches_of(points, near)).flatten());
     let mut loops: Vec<DevelopedLoop> = match flat {
         Some(flat) => stretches()
-            .map(|((points, _), near)| taken(points, near, |part, loop_| flat.develop(points, part, loop_)))
+            .map(|((points, _), near)| taken(points, near, |part, into| flat.develop(points, part, into)))
             .collect(),
         None => {
             let curved = Curved::new(course, width_mm);
             stretches()
                 .map(|((points, _), near)| {
-                    taken(points, near, |part, loop_| curved.develop(points, part, loop_))
+                    taken(points, near, |part, into| curved.develop(points, part, into))
                 })
                 .collect()
         }
@@ -260,6 +219,7 @@ impl Flat {
 
 #[cfg(test)]
 mod tests {
+    use super::super::developed::Developed;
     use super::super::label::CoursePlace;
     use super::super::piece::within_strip;
     use super::*;

@@ -7,6 +7,11 @@
 //! largest deviation, measured along u, is least; of several the one with the least extra area.
 //!
 //! An outline that doubles back in v is covered by its silhouette first, which fills its pockets.
+//!
+//! Both ends of a short piece may need too many knives only together (`changes`). Then they are brought apart: the one end
+//! to above some height, the other to below it, at the height for which the larger of both deviations is least; or, with two
+//! knives, each end is made such that one knife does it. For one knife no other change is less; for two, ends that share
+//! heights in part are not looked at.
 
 use super::block::{Stretch, levels};
 use super::chain::split;
@@ -32,10 +37,69 @@ pub fn side_by_side<'a>(cuts: impl Iterator<Item = &'a [Point2]>, half_width_mm:
     levels(&spans, spans.len()).iter().take_while(|level| !level.is_empty()).count()
 }
 
+/// What changes of the cuts of a piece, so that `knives` knives can make them.
+#[must_use]
+pub fn changes(cuts: &[&[Point2]], half_width_mm: f64, knives: usize) -> Vec<Option<Simplified>> {
+    let alone = |cut: &&[Point2]| {
+        let excess = side_by_side(std::iter::once(*cut), half_width_mm) > knives;
+        excess.then(|| simplified(cut, half_width_mm, knives)).flatten()
+    };
+    let changes: Vec<Option<Simplified>> = cuts.iter().map(alone).collect();
+    let changed = cuts.iter().zip(&changes).map(|(cut, change)| change.as_ref().map_or(*cut, |c| &c.points));
+    match cuts {
+        [one, other] if side_by_side(changed, half_width_mm) > knives => {
+            brought_apart([one, other], half_width_mm, knives).map_or(changes, |both| both.map(Some).to_vec())
+        }
+        _ => changes,
+    }
+}
+
+/// The least change of the two ends of a piece that leaves no more than `knives` chains side by side; `None` if there is
+/// none or the cuts are not its two ends.
+fn brought_apart(ends: [&[Point2]; 2], half_width_mm: f64, knives: usize) -> Option<[Simplified; 2]> {
+    let rises = |end: &[Point2]| Some(end.first()?.y < end.last()?.y);
+    let upper = usize::from(rises(ends[1])?);
+    if rises(ends[0])? == rises(ends[1])? {
+        return None;
+    }
+    let both = |knives: usize, level: Option<f64>| {
+        let [one, other] = ends.map(|end| covered(end, half_width_mm, knives, level));
+        Some([one?, other?])
+    };
+    let us = || ends.into_iter().flatten().map(|point| point.x);
+    let (mut low, mut high) = (us().fold(f64::INFINITY, f64::min), us().fold(f64::NEG_INFINITY, f64::max));
+    // The higher the level, the more the upper end is raised and the less the lower one is brought down.
+    while high - low > LEVEL_MM {
+        let middle = f64::midpoint(low, high);
+        let [one, other] = both(knives, Some(middle))?.map(|end| end.max_deviation_mm);
+        let (of_upper, of_lower) = if upper == 0 { (one, other) } else { (other, one) };
+        if of_upper > of_lower {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    let ways =
+        [both(knives, Some(low)), both(knives, Some(high)), (knives > 1).then(|| both(1, None)).flatten()];
+    let works = |ends: &[Simplified; 2]| {
+        side_by_side(ends.iter().map(|end| end.points.as_slice()), half_width_mm) <= knives
+    };
+    let most = |ends: &[Simplified; 2]| ends[0].max_deviation_mm.max(ends[1].max_deviation_mm);
+    ways.into_iter().flatten().filter(works).min_by(|a, b| most(a).total_cmp(&most(b)))
+}
+
+/// The level at which two ends are brought apart is found to this, in mm: far below any step that is levelled out later.
+const LEVEL_MM: f64 = 1e-9;
+
 /// The least change of a cut that `knives` knives can make, or `None` if the cut does not run from one edge of the tape
 /// to the other. The cut is a side of a piece: the ply lies on its left.
 #[must_use]
 pub fn simplified(cut: &[Point2], half_width_mm: f64, knives: usize) -> Option<Simplified> {
+    covered(cut, half_width_mm, knives, None)
+}
+
+/// The same, of a cut that must stay on its scrap side of a u.
+fn covered(cut: &[Point2], half_width_mm: f64, knives: usize, level: Option<f64>) -> Option<Simplified> {
     let (first, last) = (cut.first()?, cut.last()?);
     let crosses = first.y == -last.y && first.y.abs() == half_width_mm;
     if !crosses {
@@ -45,11 +109,16 @@ pub fn simplified(cut: &[Point2], half_width_mm: f64, knives: usize) -> Option<S
     let turned = first.y > last.y;
     let given: Vec<Point2> = if turned { cut.iter().map(|p| -*p).collect() } else { cut.to_vec() };
     let ply = silhouette(&given);
-    let best = shapes(&ply, knives).into_iter().map(|shape| judged(&ply, &given, shape)).min_by(|a, b| {
-        let equal = (a.max_deviation_mm - b.max_deviation_mm).abs() <= SAME_POINT_MM;
-        let by_area = a.extra_area_mm2.total_cmp(&b.extra_area_mm2);
-        if equal { by_area } else { a.max_deviation_mm.total_cmp(&b.max_deviation_mm) }
-    })?;
+    let kept = match level {
+        Some(level) => raised(&ply, if turned { -level } else { level }),
+        None => ply.clone(),
+    };
+    let best =
+        shapes(&kept, knives).into_iter().map(|shape| judged(&ply, &given, shape)).min_by(|a, b| {
+            let equal = (a.max_deviation_mm - b.max_deviation_mm).abs() <= SAME_POINT_MM;
+            let by_area = a.extra_area_mm2.total_cmp(&b.extra_area_mm2);
+            if equal { by_area } else { a.max_deviation_mm.total_cmp(&b.max_deviation_mm) }
+        })?;
     let points = if turned { best.points.iter().map(|p| -*p).collect() } else { best.points };
     Some(Simplified { points, ..best })
 }
@@ -289,6 +358,51 @@ mod tests {
         assert!(count(&changed.points) <= 2 && changed.extra_area_mm2 > 0.0);
     }
 
+    /// The start of a piece, whose ply lies at the larger u.
+    fn start(heights: &[f64]) -> Vec<Point2> {
+        cut(heights).into_iter().rev().collect()
+    }
+
+    /// The least largest deviation of all pairs of ends of two points whose heights are given ones or halfway between two.
+    fn brute_force_of_both(lower: &[f64], upper: &[f64]) -> f64 {
+        let heights: Vec<f64> = lower.iter().chain(upper).copied().collect();
+        let levels: Vec<f64> = heights
+            .iter()
+            .flat_map(|one| heights.iter().map(move |other| f64::midpoint(*one, *other)))
+            .collect();
+        let pairs = |allowed: &dyn Fn(f64, usize) -> bool| -> Vec<[f64; 2]> {
+            let at = |place: usize| levels.iter().copied().filter(|u| allowed(*u, place)).collect::<Vec<_>>();
+            let (first, second) = (at(0), at(1));
+            first.iter().flat_map(|one| second.iter().map(move |other| [*one, *other])).collect()
+        };
+        let uppers = pairs(&|u, place| u >= upper[place]);
+        let mut best = f64::INFINITY;
+        for low in pairs(&|u, place| u <= lower[place]) {
+            for high in &uppers {
+                let off =
+                    (0..2).map(|at| (lower[at] - low[at]).max(high[at] - upper[at])).fold(0.0, f64::max);
+                let ends = [start(&low), cut(high)];
+                if off < best && side_by_side(ends.iter().map(Vec::as_slice), 0.5) <= 1 {
+                    best = off;
+                }
+            }
+        }
+        best
+    }
+
+    #[test]
+    fn both_ends_of_a_short_piece_meet_halfway() {
+        let ends = [start(&[0.0, 75.0]), cut(&[40.0, 115.0])];
+        let found = changes(&[&ends[0], &ends[1]], 0.5, 1);
+        let both: Vec<&Simplified> = found.iter().flatten().collect();
+        assert!(
+            both.len() == 2 && both.iter().all(|end| (end.max_deviation_mm - 17.5).abs() < 1e-3),
+            "{both:?}"
+        );
+        // Two knives make both ends side by side as they are.
+        assert_eq!(changes(&[&ends[0], &ends[1]], 0.5, 2), [None, None]);
+    }
+
     #[test]
     fn a_cut_that_does_not_cross_the_tape_is_left_alone() {
         let notch = [(0.0, 2.0), (10.0, 0.0), (20.0, 2.0)].map(|(u, v)| Point2::new(u, v));
@@ -298,6 +412,37 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
+        #[test]
+        fn no_two_ends_of_a_brute_force_deviate_less_for_one_knife(
+            lower in prop::array::uniform2(0..9_u8), widths in prop::array::uniform2(1..9_u8)
+        ) {
+            let lower = lower.map(f64::from);
+            let upper = [0, 1].map(|at| lower[at] + f64::from(widths[at]));
+            let given = [start(&lower), cut(&upper)];
+            let found = changes(&[&given[0], &given[1]], 0.5, 1);
+            let most = found.iter().flatten().map(|end| end.max_deviation_mm).fold(0.0, f64::max);
+            let least = brute_force_of_both(&lower, &upper);
+            prop_assert!((most - least).abs() < 10.0 * LEVEL_MM, "{most} {least} {lower:?} {upper:?}");
+        }
+
+        #[test]
+        fn both_ends_keep_to_their_scrap_and_to_the_knives(
+            lower in prop::collection::vec(0.0..90.0_f64, 2..7), widths in prop::collection::vec(1.0..60.0_f64, 6), knives in 1..=2_usize
+        ) {
+            let upper: Vec<f64> = lower.iter().zip(&widths).map(|(low, width)| low + width).collect();
+            let given = [start(&lower), cut(&upper)];
+            let half = half(&given[1]);
+            let found = changes(&[&given[0], &given[1]], half, knives);
+            let ends: Vec<&[Point2]> =
+                given.iter().zip(&found).map(|(end, change)| change.as_ref().map_or(end.as_slice(), |c| &c.points)).collect();
+            prop_assert!(side_by_side(ends.iter().copied(), half) <= knives, "{ends:?}");
+            let turned: Vec<Point2> = ends[0].iter().map(|p| -*p).collect();
+            for (at, (low, high)) in lower.iter().zip(&upper).enumerate() {
+                let v = given[1][at].y;
+                prop_assert!(height_over(&turned, -v) >= -low - 1e-9 && height_over(ends[1], v) >= high - 1e-9);
+            }
+        }
+
         #[test]
         fn no_outline_of_a_brute_force_deviates_less(
             heights in prop::collection::vec(0..7_u8, 2..7), knives in 1..=2_usize

@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use super::curve::{Bend, Curve, Station};
-use super::develop::DevelopedLoop;
+use super::developed::DevelopedLoop;
 use super::input::Course;
 use crate::planning::geometry::{Point2, Point3};
 use crate::planning::tolerance::LAST_STEP_MM;

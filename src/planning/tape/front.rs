@@ -203,7 +203,7 @@ impl Span {
 
 #[cfg(test)]
 mod tests {
-    use super::super::develop::DevelopedPly;
+    use super::super::developed::DevelopedPly;
     use super::super::piece::within_strip;
     use super::*;
     use proptest::prelude::*;

@@ -14,6 +14,7 @@ pub mod courses;
 mod coverage;
 pub mod curve;
 pub mod develop;
+pub mod developed;
 mod difference;
 pub mod excess;
 pub mod file;

@@ -3,8 +3,8 @@
 //! Clipping is done in `f64` on the outline's own points and every side of a piece keeps what it is: a cut, or
 //! the tape's own edge. The published Edge0 and Edge1 are the ends of a cut, exactly at half the tape width.
 
-use super::develop::{Developed, DevelopedLoop, DevelopedPly};
-use super::excess::{side_by_side, simplified};
+use super::developed::{Developed, DevelopedLoop, DevelopedPly};
+use super::excess::{changes, side_by_side};
 use crate::planning::finding::{Code, Finding};
 use crate::planning::geometry::Point2;
 use crate::planning::geometry::polygon::{contains, signed_area};
@@ -57,25 +57,26 @@ impl Piece {
         points
     }
 
-    /// Changes the cuts that more than `knives` knives would be needed for, on their scrap side: returns the piece as it
+    /// Changes the ends that more than `knives` knives would be needed for, on their scrap side: returns the piece as it
     /// was, the largest deviation in mm and the extra area in mm^2, or `None` if nothing was changed.
     pub fn simplify(&mut self, half_width_mm: f64, knives: usize) -> Option<(Self, (f64, f64))> {
         if side_by_side(self.cuts(), half_width_mm) <= knives {
             return None;
         }
         let given = self.clone();
+        let cuts = given.sides.iter().zip(&mut self.sides).filter_map(|(given, side)| match (given, side) {
+            (Side::Cut(points), Side::Cut(changed)) => Some((points.as_slice(), changed)),
+            _ => None,
+        });
+        let (cuts, changed): (Vec<_>, Vec<_>) = cuts.unzip();
         let mut change: Option<(f64, f64)> = None;
-        for side in &mut self.sides {
-            let Side::Cut(points) = side else { continue };
-            if side_by_side(std::iter::once(points.as_slice()), half_width_mm) <= knives {
-                continue;
-            }
-            let Some(simple) = simplified(points, half_width_mm, knives) else { continue };
+        for (changed, simple) in changed.into_iter().zip(changes(&cuts, half_width_mm, knives)) {
+            let Some(simple) = simple else { continue };
             let (deviation, area) = change.unwrap_or((0.0, 0.0));
             change = Some((deviation.max(simple.max_deviation_mm), area + simple.extra_area_mm2));
-            self.area_mm2 += simple.extra_area_mm2;
-            *points = simple.points;
+            *changed = simple.points;
         }
+        self.area_mm2 += change.map_or(0.0, |(_, area)| area);
         self.mend_tape_edges();
         change.map(|change| (given, change))
     }

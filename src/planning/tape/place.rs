@@ -294,7 +294,7 @@ fn sorted(mut spans: Vec<Stretch>) -> Vec<Stretch> {
 mod tests {
     use super::super::assign::published;
     use super::super::chain::split;
-    use super::super::develop::DevelopedPly;
+    use super::super::developed::DevelopedPly;
     use super::super::piece::within_strip;
     use super::*;
     use crate::planning::finding::Code;

@@ -115,11 +115,17 @@ fn courses_of_plies(
                 format!("no course touches {ply}: see whether both are in one coordinate system, in mm");
             faults.push(Finding::error(Code::NoCourseOnPly, format!("{}/tracks", ply.place), message));
         } else {
-            findings.extend(coverage::findings(&of_ply, ply, input.width.mm()));
+            findings.extend(coverage::findings(laid_mm2(&of_ply), ply, input.width.mm()));
         }
         courses.extend(of_ply);
     }
     if faults.is_empty() { Ok(courses) } else { Err(faults) }
+}
+
+/// The area of the ply that lies on courses: what a changed outline has more lies on scrap.
+fn laid_mm2(courses: &[PlannedCourse]) -> f64 {
+    let pieces = courses.iter().flat_map(|course| &course.pieces);
+    pieces.map(|p| p.piece.area_mm2 - p.simplified.map_or(0.0, |(_, extra_mm2)| extra_mm2)).sum()
 }
 
 fn pieces_of_courses(
@@ -222,7 +228,7 @@ fn assign_knives(courses: &mut [PlannedCourse], input: &TapeInput) -> Result<Vec
     let way_out = match input.on_excess {
         OnExcess::Reject => "; `on_excess: simplify` changes an outline on its scrap side where that helps",
         OnExcess::Simplify => {
-            "; `on_excess: simplify` is of no help here: it changes a cut that needs too many knives by itself, and no cut-out"
+            "; `on_excess: simplify` is of no help here: it changes the ends of a piece, each from one edge of the tape to the other, and no cut-out"
         }
     };
     faults.iter_mut().for_each(|fault: &mut Finding| fault.message.push_str(way_out));

@@ -119,7 +119,7 @@ fn named(pieces: &[PlannedPiece], marked: impl Fn(Marks) -> bool) -> Option<Stri
 
 #[cfg(test)]
 mod tests {
-    use super::super::develop::DevelopedPly;
+    use super::super::developed::DevelopedPly;
     use super::super::piece::within_strip;
     use super::*;
     use crate::planning::geometry::Point2;
