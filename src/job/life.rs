@@ -75,9 +75,9 @@ pub enum State {
         finished_at: Moment,
         /// Whether there is a program that may be approved.
         usable: bool,
-        /// How many warnings its report holds.
+        /// How many warnings its report holds; not known of a job that had ended before they were counted.
         #[serde(default)]
-        warnings: u32,
+        warnings: Option<u32>,
         /// The program, if the verdict is usable.
         program: Option<ProgramId>,
         /// How long each stage took.
@@ -224,7 +224,14 @@ impl Job {
         now: Moment,
     ) -> Result<Self, Illegal> {
         let Attempt { started_at, .. } = self.attempt(fence)?;
-        let state = State::Succeeded { started_at, finished_at: now, usable, warnings, program, stages };
+        let state = State::Succeeded {
+            started_at,
+            finished_at: now,
+            usable,
+            warnings: Some(warnings),
+            program,
+            stages,
+        };
         Ok(Self { state, ..self }.changed())
     }
 

@@ -88,7 +88,8 @@ pub const BLADE_BLEND_DEG: f64 = 0.5;
 /// Largest angle, in degrees, between a blade and its cut that a replay accepts (domain.md A9).
 pub const BLADE_ALONG_CUT_DEG: f64 = 1.0;
 
-/// A flat ply of which less than this share lies under its courses is reported. Gaps between tapes of 0.5 mm on
+/// A flat ply of which less than this share lies under its courses is reported, and one of which more than the rest lies under
+/// several. Gaps between tapes of 0.5 mm on
 /// 75 mm leave 0.7 % uncovered; a course that was forgotten leaves more.
 pub const COVERED_SHARE: f64 = 0.985;
 

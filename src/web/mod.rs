@@ -115,11 +115,11 @@ fn row(job: Job, drawings: Vec<String>, purpose: Purpose) -> Row {
 }
 
 /// A program that is no ordinary one says so at once, and so does one that there are warnings about.
-fn usable(purpose: Purpose, warnings: u32) -> String {
+fn usable(purpose: Purpose, warnings: Option<u32>) -> String {
     let warned = match warnings {
-        0 => String::new(),
-        1 => ", with a warning: see the report".to_owned(),
-        many => format!(", with {many} warnings: see the report"),
+        None | Some(0) => String::new(),
+        Some(1) => ", with a warning: see the report".to_owned(),
+        Some(many) => format!(", with {many} warnings: see the report"),
     };
     let words = purpose.warning().map_or_else(String::new, |words| format!(". {words}"));
     format!("usable{warned}{words}")

@@ -152,7 +152,10 @@ fn a_restart_within_several_plies_names_the_ply_everywhere() {
     assert!(next_in_words(&served).contains("from course 3 of ply 2:"), "{}", next_in_words(&served));
     said(&run_to_its_end(&served, "r"));
     assert!(served.get("/").send().unwrap().text().unwrap().contains("from course 3 of ply 2:"));
-    trail(&served).iter().filter(|row| row["subject"] == json!(program)).for_each(|row| said(&row["detail"]));
+    let trail = trail(&served);
+    let about: Vec<&Value> = trail.iter().filter(|row| row["subject"] == json!(program)).collect();
+    assert!(about.len() >= 2, "{trail:?}");
+    about.into_iter().for_each(|row| said(&row["detail"]));
 }
 
 #[test]

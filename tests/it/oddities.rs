@@ -49,6 +49,11 @@ fn courses_that_overlap_hide_nothing_of_what_they_leave_bare() {
     assert!(found[0].starts_with("the courses cover 85.0 % of the ply;"), "{found:?}");
     assert!(found[1].starts_with("the courses lay 15.0 % of the ply double;"), "{found:?}");
     assert_eq!(said(&[37.5, 112.5]), Vec::<String>::new());
+    // Whoever asks for an overlap is not told of it.
+    let mut job = ply(&square, &[]);
+    job["input"].as_object_mut().unwrap().remove("tracks");
+    job["input"]["courses"] = json!({"angle_deg": 0, "gap_mm": -5});
+    assert!(of_code(&planned(&job), "courses_overlap").is_empty());
     assert!(said(&[30.0, 100.0])[0].starts_with("the courses cover 91.7 %"), "{:?}", said(&[30.0, 100.0]));
 }
 

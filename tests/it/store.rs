@@ -9,6 +9,7 @@ use bladeplan::job::life::{Illegal, NewJob, State};
 use bladeplan::job::moment::Moment;
 use bladeplan::job::purpose::Purpose;
 use bladeplan::planning::document::files::Files;
+use bladeplan::planning::tape::label::CourseLabel;
 use bladeplan::store::attempts::Lost;
 use bladeplan::store::jobs::Post;
 use bladeplan::store::programs::{NewFile, NewProgram};
@@ -189,16 +190,44 @@ async fn posts_at_the_same_time_with_one_key_give_one_job() {
     assert_eq!(ids.len(), 1);
 }
 
+/// A database as the migrations up to one have left it.
+async fn at_version(folder: &TempDir, version: i64) -> SqliteConnection {
+    let url = format!("sqlite:{}?mode=rwc", folder.path().join("x.db").display());
+    let all = concat!(env!("CARGO_MANIFEST_DIR"), "/migrations/sqlite");
+    let migrations = Migrator::new(Path::new(all)).await.unwrap();
+    let before = migrations.iter().filter(|migration| migration.version <= version).cloned().collect();
+    let mut connection = SqliteConnection::connect(&url).await.unwrap();
+    Migrator { migrations: Cow::Owned(before), ..Migrator::DEFAULT }.run(&mut connection).await.unwrap();
+    connection
+}
+
+/// A store from before a restart named its ply: the name of its program says it.
+#[tokio::test]
+async fn restarts_from_before_plies_were_named_get_theirs_from_their_names() {
+    let folder = TempDir::new().unwrap();
+    let mut connection = at_version(&folder, 8).await;
+    let (job, program) = (JobId::new(at(0), &[1; 10]), ProgramId::new(at(0), &[1; 10]));
+    for statement in [
+        format!("INSERT INTO jobs (id, kind, name, labels, created_at, attempts, fence, version, state, life)
+                 VALUES ('{job}', 'tape-cut', '', '{{}}', 0, 1, 1, 1, 'failed', '{{}}')"),
+        format!("INSERT INTO programs (id, job_id, kind, state, content_position, content_name, media_type, sha256,
+                                       bytes, created_at, version, purpose, from_course)
+                 VALUES ('{program}', '{job}', 'tape-cut', 'draft', 1, 'roll-from-ply-2-course-7.ngc', 'text/plain',
+                         'aa', 1, 0, 1, 'restart', 7)"),
+    ] {
+        sqlx::query(sqlx::AssertSqlSafe(statement)).execute(&mut connection).await.unwrap();
+    }
+    connection.close().await.unwrap();
+    let program = open(&folder).await.program(&program).await.unwrap();
+    let from_course = CourseLabel { ply: Some(2), number: 7 };
+    assert_eq!(program.purpose, Purpose::Restart { from_course });
+}
+
 /// A store from before programs had a purpose: the names of its programs say it.
 #[tokio::test]
 async fn programs_from_before_purposes_get_theirs_from_their_names() {
     let folder = TempDir::new().unwrap();
-    let url = format!("sqlite:{}?mode=rwc", folder.path().join("x.db").display());
-    let migrations =
-        Migrator::new(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/migrations/sqlite"))).await.unwrap();
-    let before = migrations.iter().filter(|migration| migration.version < 8).cloned().collect();
-    let mut connection = SqliteConnection::connect(&url).await.unwrap();
-    Migrator { migrations: Cow::Owned(before), ..Migrator::DEFAULT }.run(&mut connection).await.unwrap();
+    let mut connection = at_version(&folder, 7).await;
     let cases = [
         ("tape-cut", "roll.ngc", Purpose::Production),
         ("tape-cut", "roll-dry-run.mpf", Purpose::DryRun { from_course: None }),

@@ -34,7 +34,7 @@ pub struct JobBody {
     /// Whether it gave a program that may be approved; there once it has succeeded.
     #[serde(skip_serializing_if = "Option::is_none")]
     verdict: Option<VerdictWord>,
-    /// How many warnings its report holds; there once it has succeeded. Whoever approves reads them first.
+    /// How many warnings its report holds; there once it has succeeded, if it was counted then. Whoever approves reads them first.
     #[serde(skip_serializing_if = "Option::is_none")]
     warnings: Option<u32>,
     /// When it was posted.
@@ -368,7 +368,7 @@ impl JobBody {
                 self.stage = stage;
             }
             State::Succeeded { started_at, finished_at, usable, warnings, program, stages } => {
-                self.warnings = Some(warnings);
+                self.warnings = warnings;
                 self.state = StateWord::Succeeded;
                 self.started_at = Some(started_at.to_string());
                 self.finished_at = Some(finished_at.to_string());

@@ -6,18 +6,27 @@ use i_overlay::float::single::SingleFloatOverlay;
 
 use super::input::{Course, Ply};
 use super::outline::Plane;
+use crate::planning::budget::Budget;
 use crate::planning::finding::{Code, Finding};
 use crate::planning::geometry::polygon::signed_area;
 use crate::planning::geometry::{Point2, Vector2};
 use crate::planning::tolerance::{COVERED_SHARE, STRAIGHT_MM};
 
 /// Says how much of a flat ply lies under none of its courses, and how much under several; `laid_mm2` is the area of all its
-/// pieces. Of a ply on a curved mould, or
+/// pieces, and nobody is told of an overlap that a rule for generated courses asks for. Of a ply on a curved mould, or
 /// of courses that are steered, the areas of the pieces alone tell: then courses that overlap hide a part of what is bare.
-#[must_use]
-pub fn findings(laid_mm2: f64, ply: &Ply, width_mm: f64) -> Vec<Finding> {
+///
+/// # Errors
+/// What the budget says.
+pub fn findings(
+    laid_mm2: f64,
+    ply: &Ply,
+    generated: bool,
+    width_mm: f64,
+    budget: &Budget<'_>,
+) -> Result<Vec<Finding>, Vec<Finding>> {
     let Some(plane) = Plane::of(&ply.boundary).filter(|plane| plane.holds(&ply.boundary)) else {
-        return Vec::new();
+        return Ok(Vec::new());
     };
     let outlines: Vec<Vec<Point2>> =
         std::iter::once(&ply.boundary).chain(&ply.holes).map(|outline| plane.flatten(outline)).collect();
@@ -25,27 +34,35 @@ pub fn findings(laid_mm2: f64, ply: &Ply, width_mm: f64) -> Vec<Finding> {
     let area_mm2 = areas.enumerate().map(|(index, area)| if index == 0 { area } else { -area }).sum::<f64>();
     let strips: Option<Vec<Strip>> = ply.courses.iter().map(|course| Strip::of(course, &plane)).collect();
     let covered_mm2 = match &strips {
-        Some(strips) if !apart(strips, width_mm) => area_mm2 - bare_mm2(&outlines, strips, width_mm),
+        Some(strips) if !apart(strips, width_mm) => {
+            let points = outlines.iter().map(Vec::len).sum::<usize>() + strips.len();
+            budget.spend(STEPS_A_POINT * points as u64).map_err(|finding| vec![finding])?;
+            area_mm2 - bare_mm2(&outlines, strips, width_mm)
+        }
         _ => laid_mm2,
     };
+    // Of steered courses it is known that what is more than the ply lies double.
+    let double_mm2 = laid_mm2 - covered_mm2.min(area_mm2);
+    let exact = strips.is_some();
     let at = || format!("{}/tracks", ply.place);
     let share = |of_mm2: f64| of_mm2 / area_mm2 * 100.0;
     let bare = (covered_mm2 < COVERED_SHARE * area_mm2).then(|| {
-        let at_most = if strips.is_some() { "" } else { " at most" };
+        let at_most = if exact { "" } else { " at most" };
         let message = format!(
             "the courses cover {:.1} % of {ply}{at_most}; see whether a course is missing, or the tape's width is in mm",
             share(covered_mm2)
         );
         Finding::warning(Code::PlyNotCovered, at(), message)
     });
-    let double = (laid_mm2 - covered_mm2 > (1.0 - COVERED_SHARE) * area_mm2).then(|| {
+    let double = (!generated && double_mm2 > (1.0 - COVERED_SHARE) * area_mm2).then(|| {
+        let at_least = if exact { "" } else { " at least" };
         let message = format!(
-            "the courses lay {:.1} % of {ply} double; see whether they are a tape's width apart",
-            share(laid_mm2 - covered_mm2)
+            "the courses lay {:.1} % of {ply} double{at_least}; see whether they are a tape's width apart",
+            share(double_mm2)
         );
         Finding::warning(Code::CoursesOverlap, at(), message)
     });
-    bare.into_iter().chain(double).collect()
+    Ok(bare.into_iter().chain(double).collect())
 }
 
 /// The middle of a straight course in the plane of its ply.
@@ -81,6 +98,9 @@ fn apart(strips: &[Strip], width_mm: f64) -> bool {
 
 /// Over a ply of ten metres this is a tenth of a millimetre.
 const PARALLEL_SINE: f64 = 1e-5;
+
+/// What cutting tapes off an outline takes, in steps a point: it is sorted.
+const STEPS_A_POINT: u64 = 64;
 
 /// What none of the tapes covers.
 fn bare_mm2(outlines: &[Vec<Point2>], strips: &[Strip], width_mm: f64) -> f64 {

@@ -66,12 +66,15 @@ fn brought_apart(ends: [&[Point2]; 2], half_width_mm: f64, knives: usize) -> Opt
         let [one, other] = ends.map(|end| covered(end, half_width_mm, knives, level));
         Some([one?, other?])
     };
+    // Each end is looked at again at every step.
+    let many_turns = ends.iter().any(|end| work(end, turns(end).len()) > MOST_WORK / 1000);
+    let apart = if many_turns { 1 } else { knives };
     let us = || ends.into_iter().flatten().map(|point| point.x);
     let (mut low, mut high) = (us().fold(f64::INFINITY, f64::min), us().fold(f64::NEG_INFINITY, f64::max));
     // The higher the level, the more the upper end is raised and the less the lower one is brought down.
     while high - low > LEVEL_MM {
         let middle = f64::midpoint(low, high);
-        let [one, other] = both(knives, Some(middle))?.map(|end| end.max_deviation_mm);
+        let [one, other] = both(apart, Some(middle))?.map(|end| end.max_deviation_mm);
         let (of_upper, of_lower) = if upper == 0 { (one, other) } else { (other, one) };
         if of_upper > of_lower {
             high = middle;
@@ -80,7 +83,7 @@ fn brought_apart(ends: [&[Point2]; 2], half_width_mm: f64, knives: usize) -> Opt
         }
     }
     let ways =
-        [both(knives, Some(low)), both(knives, Some(high)), (knives > 1).then(|| both(1, None)).flatten()];
+        [both(apart, Some(low)), both(apart, Some(high)), (knives > 1).then(|| both(1, None)).flatten()];
     let works = |ends: &[Simplified; 2]| {
         side_by_side(ends.iter().map(|end| end.points.as_slice()), half_width_mm) <= knives
     };
@@ -113,37 +116,41 @@ fn covered(cut: &[Point2], half_width_mm: f64, knives: usize, level: Option<f64>
         Some(level) => raised(&ply, if turned { -level } else { level }),
         None => ply.clone(),
     };
-    let best =
-        shapes(&kept, knives).into_iter().map(|shape| judged(&ply, &given, shape)).min_by(|a, b| {
-            let equal = (a.max_deviation_mm - b.max_deviation_mm).abs() <= SAME_POINT_MM;
-            let by_area = a.extra_area_mm2.total_cmp(&b.extra_area_mm2);
-            if equal { by_area } else { a.max_deviation_mm.total_cmp(&b.max_deviation_mm) }
-        })?;
+    let best = shapes(&kept, knives).map(|shape| judged(&ply, &given, shape)).min_by(|a, b| {
+        let equal = (a.max_deviation_mm - b.max_deviation_mm).abs() <= SAME_POINT_MM;
+        let by_area = a.extra_area_mm2.total_cmp(&b.extra_area_mm2);
+        if equal { by_area } else { a.max_deviation_mm.total_cmp(&b.max_deviation_mm) }
+    })?;
     let points = if turned { best.points.iter().map(|p| -*p).collect() } else { best.points };
     Some(Simplified { points, ..best })
 }
 
-/// All shapes that `knives` knives make, each as low as it can be over the ply.
-fn shapes(ply: &[Point2], knives: usize) -> Vec<Vec<Point2>> {
-    let mut shapes = vec![rising(ply), falling(ply)];
-    if knives < 2 {
-        return shapes;
-    }
-    let turns = turns(ply);
+/// All shapes that `knives` knives make, each as low as it can be over the ply. Where there are very many turns, those that
+/// turn twice are left out: each pair of turns would give two of them.
+fn shapes(ply: &[Point2], knives: usize) -> impl Iterator<Item = Vec<Point2>> {
+    let turns = if knives < 2 { Vec::new() } else { turns(ply) };
     let top = (0..ply.len()).max_by(|&a, &b| ply[a].x.total_cmp(&ply[b].x)).unwrap_or(0);
-    shapes.push(joined(&[rising(&ply[..=top]), falling(&ply[top..])]));
-    for &valley in &turns {
-        shapes.push(joined(&[falling(&ply[..=valley]), rising(&ply[valley..])]));
-    }
-    for (index, &one) in turns.iter().enumerate() {
-        for &other in &turns[index + 1..] {
-            shapes.extend(twice_turned(ply, one, other));
-            let mirrored = twice_turned(&mirrored(ply), ply.len() - 1 - other, ply.len() - 1 - one);
-            shapes.extend(mirrored.map(|shape| self::mirrored(&shape)));
-        }
-    }
-    shapes
+    let peak = move || joined(&[rising(&ply[..=top]), falling(&ply[top..])]);
+    let valley = move |valley: usize| joined(&[falling(&ply[..=valley]), rising(&ply[valley..])]);
+    let twice = if work(ply, turns.len()) > MOST_WORK { &[] } else { turns.as_slice() };
+    let from = |(index, &one): (usize, &usize)| twice[index + 1..].iter().map(move |&other| (one, other));
+    let pairs: Vec<(usize, usize)> = twice.iter().enumerate().flat_map(from).collect();
+    let twice_turned = pairs.into_iter().flat_map(move |(one, other)| {
+        let last = ply.len() - 1;
+        let mirrored = twice_turned(&mirrored(ply), last - other, last - one);
+        twice_turned(ply, one, other).into_iter().chain(mirrored.map(|shape| self::mirrored(&shape)))
+    });
+    let simple = [rising(ply), falling(ply)].into_iter().chain((knives > 1).then(peak));
+    simple.chain(turns.into_iter().map(valley)).chain(twice_turned)
 }
+
+/// How many points the shapes that turn twice have together, about.
+fn work(ply: &[Point2], turns: usize) -> usize {
+    turns.saturating_mul(turns).saturating_mul(ply.len())
+}
+
+/// The most points of shapes that are looked at for one end: some seconds.
+const MOST_WORK: usize = 1_000_000_000;
 
 /// Up to `peak`, down to `valley`, up to the end, with the start raised to the height of the end, so that the
 /// first run and the last share no height. `None` where the end is above the peak.
@@ -401,6 +408,26 @@ mod tests {
         );
         // Two knives make both ends side by side as they are.
         assert_eq!(changes(&[&ends[0], &ends[1]], 0.5, 2), [None, None]);
+    }
+
+    #[test]
+    fn two_knives_make_one_end_after_the_other_where_that_is_less() {
+        // Side by side, each end made by one knife: 15 mm. One above 52.5 and the other below it: 2.5 mm.
+        let ends = [start(&[40.0, 55.0, 40.0]), cut(&[50.0, 57.0, 50.0])];
+        let found = changes(&[&ends[0], &ends[1]], 1.0, 2);
+        let both: Vec<f64> = found.iter().flatten().map(|end| end.max_deviation_mm).collect();
+        assert!(both.len() == 2 && both.iter().all(|most| (most - 2.5).abs() < 1e-6), "{both:?}");
+    }
+
+    #[test]
+    fn very_many_turns_take_no_longer_than_they_may() {
+        let teeth: Vec<f64> = (0..1200).map(|i| if i % 2 == 0 { f64::from(i % 7) } else { 30.0 }).collect();
+        let upper: Vec<f64> = teeth.iter().map(|u| u + 5.0).collect();
+        let ends = [start(&teeth), cut(&upper)];
+        let half = half(&ends[1]);
+        let found = changes(&[&ends[0], &ends[1]], half, 2);
+        let changed: Vec<&[Point2]> = found.iter().flatten().map(|end| end.points.as_slice()).collect();
+        assert!(changed.len() == 2 && side_by_side(changed.into_iter(), half) <= 2);
     }
 
     #[test]

@@ -183,6 +183,16 @@ mod tests {
         (Course { label: 1.into(), place: CoursePlace::default(), points, normals }, onto)
     }
 
+    #[test]
+    fn what_runs_beside_the_tape_is_passed_over() {
+        let (course, onto) = on_cylinder(900.0, 0.4);
+        let points: Vec<Point3> = (0..600).map(|i| onto(f64::from(i), 130.0, 0.0)).collect();
+        let mut taken = DevelopedLoop::default();
+        Curved::new(&course, WIDTH_MM).develop(&points, 0..points.len(), &mut taken);
+        // Every 60 mm of 600, and what is left out between.
+        assert!(taken.places.len() <= 24, "{}", taken.places.len());
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
         /// Steps short and long, along and across, past the ends of the course and off the mould: what is left out lies on

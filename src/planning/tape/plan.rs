@@ -115,7 +115,8 @@ fn courses_of_plies(
                 format!("no course touches {ply}: see whether both are in one coordinate system, in mm");
             faults.push(Finding::error(Code::NoCourseOnPly, format!("{}/tracks", ply.place), message));
         } else {
-            findings.extend(coverage::findings(laid_mm2(&of_ply), ply, input.width.mm()));
+            let generated = input.origins.are_generated(ply.place);
+            findings.extend(coverage::findings(laid_mm2(&of_ply), ply, generated, input.width.mm(), budget)?);
         }
         courses.extend(of_ply);
     }
@@ -228,7 +229,7 @@ fn assign_knives(courses: &mut [PlannedCourse], input: &TapeInput) -> Result<Vec
     let way_out = match input.on_excess {
         OnExcess::Reject => "; `on_excess: simplify` changes an outline on its scrap side where that helps",
         OnExcess::Simplify => {
-            "; `on_excess: simplify` is of no help here: it changes the ends of a piece, each from one edge of the tape to the other, and no cut-out"
+            "; `on_excess: simplify` is of no help here: it changes the two ends of a piece, each from one edge of the tape to the other, no cut-out, and leaves no room for blade offsets"
         }
     };
     faults.iter_mut().for_each(|fault: &mut Finding| fault.message.push_str(way_out));
@@ -261,12 +262,16 @@ fn placed(
     if input.allocation != Allocation::Free {
         return on_roll(courses, input, Rule::Given, budget);
     }
-    let published = Beam::of(&input.machine).map(|_| courses.clone());
-    let free = on_roll(courses, input, Rule::Count, budget)?;
+    if Beam::of(&input.machine).is_none() {
+        return on_roll(courses, input, Rule::Count, budget);
+    }
+    let free = on_roll(courses.clone(), input, Rule::Count, budget)?;
     let lacking = sides::lacking(&free, input);
-    let Some(published) = published.filter(|_| lacking.0 > 0) else { return Ok(free) };
-    let published = on_roll(published, input, Rule::Given, budget);
-    Ok(published.ok().filter(|plan| sides::lacking(plan, input) < lacking).unwrap_or(free))
+    if lacking.0 == 0 {
+        return Ok(free);
+    }
+    let published = on_roll(courses, input, Rule::Given, budget)?;
+    Ok(if sides::lacking(&published, input) < lacking { published } else { free })
 }
 
 fn on_roll(

@@ -19,7 +19,7 @@ pub fn keep_sides(plan: &mut TapePlan, input: &TapeInput) {
     let Some(beam) = Beam::of(&input.machine) else { return };
     let mut sides = Sides { groups: groups(plan), knives: plan.knives(), plan, input, tries: 0 };
     let mut found = sides.conflicts();
-    if found.is_empty() {
+    if cost(&found).0 == 0 {
         return;
     }
     let given = sides.knives.clone();
@@ -30,7 +30,7 @@ pub fn keep_sides(plan: &mut TapePlan, input: &TapeInput) {
     } else {
         sides.knives = given;
     }
-    sides.turn_groups(found);
+    sides.turn_groups(found.unwrap_or_default());
     sides.give();
 }
 
@@ -40,15 +40,16 @@ pub fn lacking(plan: &TapePlan, input: &TapeInput) -> (usize, f64) {
     cost(&conflicts_of(plan, input))
 }
 
-fn conflicts_of(plan: &TapePlan, input: &TapeInput) -> Vec<Conflict> {
-    // Where the tape would run back there is no timeline, and that is said later.
-    let strokes = super::axis_strokes(plan, input);
-    strokes.map(|strokes| conflicts(strokes, &input.machine)).unwrap_or_default()
+/// `None` where the tape would run back: then there is no timeline at all.
+fn conflicts_of(plan: &TapePlan, input: &TapeInput) -> Option<Vec<Conflict>> {
+    let strokes = super::axis_strokes(plan, input).ok()?;
+    Some(conflicts(strokes, &input.machine))
 }
 
-/// What conflicts weigh: first how many there are, then how much is lacking.
-fn cost(found: &[Conflict]) -> (usize, f64) {
-    (found.len(), found.iter().map(|conflict| conflict.short_mm).sum())
+/// What conflicts weigh: first how many there are, then how much is lacking. Nothing is worse than no timeline.
+fn cost(found: &Option<Vec<Conflict>>) -> (usize, f64) {
+    let of = |found: &Vec<Conflict>| (found.len(), found.iter().map(|conflict| conflict.short_mm).sum());
+    found.as_ref().map_or((usize::MAX, f64::INFINITY), of)
 }
 
 /// Chains that hang together, as places in the order of [`TapePlan::knives`].
@@ -69,7 +70,7 @@ impl Sides<'_> {
         self.plan.give(&self.knives);
     }
 
-    fn conflicts(&mut self) -> Vec<Conflict> {
+    fn conflicts(&mut self) -> Option<Vec<Conflict>> {
         self.tries += 1;
         self.give();
         conflicts_of(self.plan, self.input)
@@ -98,14 +99,15 @@ impl Sides<'_> {
     fn turn_groups(&mut self, mut found: Vec<Conflict>) {
         let mut at = 0;
         while at < found.len() && self.tries < MOST_TRIES {
+            let least = (found.len(), found.iter().map(|conflict| conflict.short_mm).sum());
             let meet = self.meeting(&found[at]);
             let ways = meet.iter().map(|&group| vec![group]).chain([meet.clone()]);
             let mut better = None;
             for way in ways.filter(|way| !way.is_empty()) {
                 way.iter().for_each(|&group| self.turn(group));
                 let left = self.conflicts();
-                if cost(&left) < cost(&found) {
-                    better = Some(left);
+                if cost(&left) < least {
+                    better = left;
                     break;
                 }
                 way.iter().for_each(|&group| self.turn(group));

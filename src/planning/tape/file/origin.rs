@@ -34,6 +34,12 @@ impl Origins {
         self.generated.insert(ply.to_string());
     }
 
+    /// Whether the courses of a ply come from a rule.
+    #[must_use]
+    pub fn are_generated(&self, ply: PlyPlace) -> bool {
+        self.generated.contains(&ply.to_string())
+    }
+
     /// Says that an outline, by its JSON pointer, stands in a file.
     pub fn outline(&mut self, at: String, origin: Origin) {
         self.outlines.insert(at, origin);
