@@ -56,9 +56,19 @@ impl Purpose {
         }
     }
 
-    /// The course from which on the program goes, if not from the start.
+    /// The number of the course from which on the program goes, if not from the start.
     #[must_use]
-    pub fn from_course(self) -> Option<CourseLabel> {
+    pub fn from_course(self) -> Option<u32> {
+        self.begins().map(|course| course.number)
+    }
+
+    /// The ply of that course, on a roll of several.
+    #[must_use]
+    pub fn from_ply(self) -> Option<u32> {
+        self.begins()?.ply
+    }
+
+    fn begins(self) -> Option<CourseLabel> {
         match self {
             Self::Production => None,
             Self::DryRun { from_course } => from_course,
@@ -106,8 +116,7 @@ mod tests {
         let all = [(false, None), (true, None), (true, Some(7.into())), (false, Some(of_ply))];
         let purposes = all.map(|(dry_run, from_course)| Purpose::of(dry_run, from_course));
         for purpose in purposes {
-            let from = purpose.from_course();
-            let stored = [from.and_then(|course| course.ply), from.map(|course| course.number)];
+            let stored = [purpose.from_ply(), purpose.from_course()];
             assert_eq!(Purpose::stored(purpose.word(), stored.map(|number| number.map(i64::from))), purpose);
             assert!(Purpose::WORDS.contains(&purpose.word()));
             assert_eq!(purpose.warning().is_none(), purpose.makes_units(), "{purpose:?}");

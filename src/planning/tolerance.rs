@@ -67,7 +67,7 @@ pub const UNIT_NORMAL: f64 = 1e-6;
 /// 800 mm radius they turn by 44 degrees over two tapes of 300 mm.
 pub const OPPOSED_COSINE: f64 = -0.5;
 
-/// A ply and its courses, or its tape, whose sizes differ by more than this factor are hardly in one unit: an inch is
+/// A ply and its courses whose sizes differ by more than this factor are hardly in one unit: an inch is
 /// 25.4 mm, a metre 1000.
 pub const UNLIKE_SIZES: f64 = 20.0;
 

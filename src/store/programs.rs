@@ -11,7 +11,6 @@ use crate::job::moment::Moment;
 use crate::job::program::Standing;
 use crate::job::purpose::Purpose;
 use crate::planning::outcome::sha256_hex;
-use crate::planning::tape::label::CourseLabel;
 
 /// A program to be kept.
 #[derive(Debug, Clone)]
@@ -312,10 +311,9 @@ pub(super) async fn state_and_purpose(tx: &mut Writing, id: &ProgramId) -> Resul
 /// What an audit row says about a program, with what the program is for.
 pub(super) fn with_purpose(mut detail: Value, purpose: Purpose) -> Value {
     detail["purpose"] = json!(purpose);
-    if let Some(CourseLabel { ply, number }) = purpose.from_course() {
-        detail["from_course"] = json!(number);
-        if let Some(ply) = ply {
-            detail["from_ply"] = json!(ply);
+    for (field, from) in [("from_course", purpose.from_course()), ("from_ply", purpose.from_ply())] {
+        if let Some(number) = from {
+            detail[field] = json!(number);
         }
     }
     detail
@@ -362,8 +360,8 @@ pub(super) async fn insert_program(
     .bind(now.unix_ms())
     .bind(planned.profile_sha256)
     .bind(planned.purpose.word())
-    .bind(planned.purpose.from_course().and_then(|course| course.ply))
-    .bind(planned.purpose.from_course().map(|course| course.number))
+    .bind(planned.purpose.from_ply())
+    .bind(planned.purpose.from_course())
     .execute(&mut **tx)
     .await?;
     let archive = program.archive.iter().map(|file| (0, file));

@@ -106,10 +106,12 @@ const STEPS_A_POINT: u64 = 64;
 fn bare_mm2(outlines: &[Vec<Point2>], strips: &[Strip], width_mm: f64) -> f64 {
     let plain = |outline: &Vec<Point2>| outline.iter().map(|p| [p.x, p.y]).collect::<Vec<[f64; 2]>>();
     let ply: Vec<Vec<[f64; 2]>> = outlines.iter().map(plain).collect();
+    let start = outlines[0][0];
+    let extent_mm = outlines[0].iter().map(|point| (point - start).norm()).fold(width_mm, f64::max);
     let tapes: Vec<Vec<[f64; 2]>> = strips
         .iter()
         .map(|strip| {
-            let far = outlines[0].iter().map(|point| (point - strip.from).norm()).fold(width_mm, f64::max);
+            let far = (start - strip.from).norm() + extent_mm;
             let (ahead, aside) =
                 (strip.along * far, Vector2::new(-strip.along.y, strip.along.x) * width_mm / 2.0);
             let corners = [-ahead - aside, ahead - aside, ahead + aside, aside - ahead];

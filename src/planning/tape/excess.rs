@@ -57,13 +57,14 @@ pub fn changes(cuts: &[&[Point2]], half_width_mm: f64, knives: usize) -> Vec<Opt
 /// The least change of the two ends of a piece that leaves no more than `knives` chains side by side; `None` if there is
 /// none or the cuts are not its two ends.
 fn brought_apart(ends: [&[Point2]; 2], half_width_mm: f64, knives: usize) -> Option<[Simplified; 2]> {
-    let rises = |end: &[Point2]| Some(end.first()?.y < end.last()?.y);
-    let upper = usize::from(rises(ends[1])?);
-    if rises(ends[0])? == rises(ends[1])? {
+    let [one, other] = ends.map(|cut| End::of(cut, half_width_mm));
+    let pictures = [one?, other?];
+    if pictures[0].turned == pictures[1].turned {
         return None;
     }
+    let upper = usize::from(pictures[0].turned);
     let both = |knives: usize, level: Option<f64>| {
-        let [one, other] = ends.map(|end| covered(end, half_width_mm, knives, level));
+        let [one, other] = pictures.each_ref().map(|end| end.covered(knives, level));
         Some([one?, other?])
     };
     // Each end is looked at again at every step.
@@ -98,31 +99,41 @@ const LEVEL_MM: f64 = 1e-9;
 /// to the other. The cut is a side of a piece: the ply lies on its left.
 #[must_use]
 pub fn simplified(cut: &[Point2], half_width_mm: f64, knives: usize) -> Option<Simplified> {
-    covered(cut, half_width_mm, knives, None)
+    End::of(cut, half_width_mm)?.covered(knives, None)
 }
 
-/// The same, of a cut that must stay on its scrap side of a u.
-fn covered(cut: &[Point2], half_width_mm: f64, knives: usize, level: Option<f64>) -> Option<Simplified> {
-    let (first, last) = (cut.first()?, cut.last()?);
-    let crosses = first.y == -last.y && first.y.abs() == half_width_mm;
-    if !crosses {
-        return None;
+/// A cut from edge to edge of the tape as it is looked at here: v rises along it, and the ply lies at the smaller u.
+struct End {
+    /// A cut with v falling is the same picture turned by half a turn.
+    turned: bool,
+    given: Vec<Point2>,
+    /// Its silhouette.
+    ply: Vec<Point2>,
+}
+
+impl End {
+    /// `None` if the cut does not run from one edge of the tape to the other.
+    fn of(cut: &[Point2], half_width_mm: f64) -> Option<Self> {
+        let (first, last) = (cut.first()?, cut.last()?);
+        let crosses = first.y == -last.y && first.y.abs() == half_width_mm;
+        let turned = first.y > last.y;
+        let given: Vec<Point2> = if turned { cut.iter().map(|p| -*p).collect() } else { cut.to_vec() };
+        crosses.then(|| Self { turned, ply: silhouette(&given), given })
     }
-    // With v rising the ply lies at the smaller u; a cut with v falling is the same picture turned by half a turn.
-    let turned = first.y > last.y;
-    let given: Vec<Point2> = if turned { cut.iter().map(|p| -*p).collect() } else { cut.to_vec() };
-    let ply = silhouette(&given);
-    let kept = match level {
-        Some(level) => raised(&ply, if turned { -level } else { level }),
-        None => ply.clone(),
-    };
-    let best = shapes(&kept, knives).map(|shape| judged(&ply, &given, shape)).min_by(|a, b| {
-        let equal = (a.max_deviation_mm - b.max_deviation_mm).abs() <= SAME_POINT_MM;
-        let by_area = a.extra_area_mm2.total_cmp(&b.extra_area_mm2);
-        if equal { by_area } else { a.max_deviation_mm.total_cmp(&b.max_deviation_mm) }
-    })?;
-    let points = if turned { best.points.iter().map(|p| -*p).collect() } else { best.points };
-    Some(Simplified { points, ..best })
+
+    /// Its least change that `knives` knives can make; with a level, of all that stay on the scrap side of that u.
+    fn covered(&self, knives: usize, level: Option<f64>) -> Option<Simplified> {
+        let Self { turned, given, ply } = self;
+        let kept = level.map(|level| raised(ply, if *turned { -level } else { level }));
+        let shapes = shapes(kept.as_ref().unwrap_or(ply), knives);
+        let best = shapes.map(|shape| judged(ply, given, shape)).min_by(|a, b| {
+            let equal = (a.max_deviation_mm - b.max_deviation_mm).abs() <= SAME_POINT_MM;
+            let by_area = a.extra_area_mm2.total_cmp(&b.extra_area_mm2);
+            if equal { by_area } else { a.max_deviation_mm.total_cmp(&b.max_deviation_mm) }
+        })?;
+        let points = if *turned { best.points.iter().map(|p| -*p).collect() } else { best.points };
+        Some(Simplified { points, ..best })
+    }
 }
 
 /// All shapes that `knives` knives make, each as low as it can be over the ply. Where there are very many turns, those that

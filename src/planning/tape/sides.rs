@@ -19,13 +19,13 @@ pub fn keep_sides(plan: &mut TapePlan, input: &TapeInput) {
     let Some(beam) = Beam::of(&input.machine) else { return };
     let mut sides = Sides { groups: groups(plan), knives: plan.knives(), plan, input, tries: 0 };
     let mut found = sides.conflicts();
-    if cost(&found).0 == 0 {
+    if cost(found.as_deref()).0 == 0 {
         return;
     }
     let given = sides.knives.clone();
     sides.by_side(beam.above());
     let by_side = sides.conflicts();
-    if cost(&by_side) < cost(&found) {
+    if cost(by_side.as_deref()) < cost(found.as_deref()) {
         found = by_side;
     } else {
         sides.knives = given;
@@ -37,7 +37,7 @@ pub fn keep_sides(plan: &mut TapePlan, input: &TapeInput) {
 /// What carriages on one beam lack in a plan: how many times they meet, and by how much altogether in mm.
 #[must_use]
 pub fn lacking(plan: &TapePlan, input: &TapeInput) -> (usize, f64) {
-    cost(&conflicts_of(plan, input))
+    cost(conflicts_of(plan, input).as_deref())
 }
 
 /// `None` where the tape would run back: then there is no timeline at all.
@@ -47,9 +47,9 @@ fn conflicts_of(plan: &TapePlan, input: &TapeInput) -> Option<Vec<Conflict>> {
 }
 
 /// What conflicts weigh: first how many there are, then how much is lacking. Nothing is worse than no timeline.
-fn cost(found: &Option<Vec<Conflict>>) -> (usize, f64) {
-    let of = |found: &Vec<Conflict>| (found.len(), found.iter().map(|conflict| conflict.short_mm).sum());
-    found.as_ref().map_or((usize::MAX, f64::INFINITY), of)
+fn cost(found: Option<&[Conflict]>) -> (usize, f64) {
+    let of = |found: &[Conflict]| (found.len(), found.iter().map(|conflict| conflict.short_mm).sum());
+    found.map_or((usize::MAX, f64::INFINITY), of)
 }
 
 /// Chains that hang together, as places in the order of [`TapePlan::knives`].
@@ -99,14 +99,14 @@ impl Sides<'_> {
     fn turn_groups(&mut self, mut found: Vec<Conflict>) {
         let mut at = 0;
         while at < found.len() && self.tries < MOST_TRIES {
-            let least = (found.len(), found.iter().map(|conflict| conflict.short_mm).sum());
+            let least = cost(Some(&found));
             let meet = self.meeting(&found[at]);
             let ways = meet.iter().map(|&group| vec![group]).chain([meet.clone()]);
             let mut better = None;
             for way in ways.filter(|way| !way.is_empty()) {
                 way.iter().for_each(|&group| self.turn(group));
                 let left = self.conflicts();
-                if cost(&left) < least {
+                if cost(left.as_deref()) < least {
                     better = left;
                     break;
                 }
