@@ -48,8 +48,8 @@ impl Writer<'_> {
     /// The statements of a layer in as few parts as hold `room` lines each. A part ends behind a cut, or behind
     /// any move where cuts lie too far apart.
     fn parts(&mut self, layer: &Layer, room: usize) -> Vec<Vec<String>> {
-        // A start at this layer leaves out what earlier ones have switched on.
-        self.output = self.output.filter(|_| !self.wanted);
+        // A start at this layer leaves out what earlier ones have switched on: only off is off either way.
+        self.output = self.output.filter(|on| !on);
         let before = self.clone();
         self.speed = None;
         let whole = self.statements(&layer.steps);

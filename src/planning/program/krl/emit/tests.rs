@@ -180,6 +180,21 @@ fn a_start_at_any_layer_switches_the_ultrasonic_on() {
     assert_eq!(switched, [on, on, on, "TRIGGER WHEN DISTANCE=0 DELAY=0 DO $OUT[3]=FALSE"]);
 }
 
+/// A layer that ends in the cut leaves the ultrasonic on where the layers run on, and off where one starts behind it.
+#[test]
+fn a_layer_switches_on_what_the_one_before_would_have_left_on() {
+    let layer = || Layer {
+        steps: vec![
+            RobotStep::Ultrasonic { on: true },
+            to(1.0, Purpose::Cut),
+            RobotStep::Ultrasonic { on: false },
+        ],
+    };
+    let files = written_with(2500, vec![layer(), layer()]);
+    let switched = statements(&files[2]).into_iter().filter(|line| line.ends_with("$OUT[3]=TRUE")).count();
+    assert_eq!(switched, 2);
+}
+
 #[test]
 fn the_tool_axis_of_the_cell_is_the_tool_axis() {
     let pose: Pose = Frame { x_mm: 1.0, y_mm: 2.0, z_mm: 3.0, a_deg: 10.0, b_deg: 20.0, c_deg: 30.0 }.pose();
