@@ -150,6 +150,31 @@ fn pieces_whose_ends_overlap_have_a_program_too() {
     assert!(counts.iter().all(|count| count.get() > 5), "changed and not: {counts:?}");
 }
 
+/// A cut-out reaches as high as 410 mm, the end down to 405 mm beside it: the end is raised by 5 mm, to above the cut-out.
+#[test]
+fn an_end_keeps_clear_of_a_cut_out_that_needs_both_knives() {
+    let heights = [60.0, 60.0, 5.0];
+    let hole = json!([{"points": [[350, -10, 0], [410, -15, 0], [350, -20, 0]]}]);
+    let planned = |on_excess: &str| {
+        let mut job = job(&heights, on_excess, 2);
+        job["input"]["holes"] = hole.clone();
+        plan_of(&job)
+    };
+    let refused = planned("reject");
+    assert!(
+        refused.findings.iter().any(|finding| finding.code == Code::TooManyKnives),
+        "{:?}",
+        refused.findings
+    );
+    let changed = planned("simplify");
+    assert_eq!(changed.verdict, Verdict::Usable, "{:?}", changed.findings);
+    let said = changed.report["simplified"].as_array().unwrap();
+    assert_eq!(said.len(), 1);
+    let deviation = said[0]["max_deviation_mm"].as_f64().unwrap();
+    assert!((deviation - 5.0).abs() < 1e-3, "{deviation}");
+    assert!((reach(&changed, WIDTH / 2.0) - 410.0).abs() < 0.01);
+}
+
 #[test]
 fn a_cut_out_that_needs_too_many_knives_is_refused_with_its_place() {
     let mut job = job(&[0.0, 0.0], "simplify", 1);

@@ -70,7 +70,8 @@ impl Piece {
         });
         let (cuts, changed): (Vec<_>, Vec<_>) = cuts.unzip();
         let mut change: Option<(f64, f64)> = None;
-        for (changed, simple) in changed.into_iter().zip(changes(&cuts, half_width_mm, knives)) {
+        for (changed, simple) in changed.into_iter().zip(changes(&cuts, &given.holes, half_width_mm, knives))
+        {
             let Some(simple) = simple else { continue };
             let (deviation, area) = change.unwrap_or((0.0, 0.0));
             change = Some((deviation.max(simple.max_deviation_mm), area + simple.extra_area_mm2));
