@@ -11,6 +11,7 @@ use proptest::prelude::*;
 use rstest::rstest;
 use serde_json::{Value, json};
 
+use crate::profiles::lab_with;
 use crate::random_plies::plies;
 use crate::rounds::rounds;
 
@@ -199,6 +200,10 @@ fn the_wing_skin_has_the_scrap_that_is_known(#[case] allocation: &str, #[case] p
 
 /// Courses over a parallelogram: every end is the same `/`.
 fn parallel(courses: u32, tape: Value, options: Value) -> Outcome {
+    parallel_on(json!("two-cutter-lab"), courses, tape, options)
+}
+
+fn parallel_on(machine: Value, courses: u32, tape: Value, options: Value) -> Outcome {
     let height = 75.0 * f64::from(courses);
     let tracks: Vec<_> = (0..courses)
         .map(|i| {
@@ -209,11 +214,24 @@ fn parallel(courses: u32, tape: Value, options: Value) -> Outcome {
         .collect();
     let mut width = json!({"width_mm": 75, "thickness_mm": 0.125});
     width.as_object_mut().unwrap().extend(tape.as_object().unwrap().clone());
-    planned(
-        json!({"kind": "tape-cut", "input": {"tape": width, "tracks": tracks, "machine": "two-cutter-lab",
+    planned(json!({"kind": "tape-cut", "input": {"tape": width, "tracks": tracks, "machine": machine,
         "boundary": {"points": [[0, 0, 0], [300, 0, 0], [300.0 + height / 3.0, height, 0], [height / 3.0, height, 0]]},
-        "options": options}}),
-    )
+        "options": options}}))
+}
+
+/// The lab with blades that overcut and whose edges lie off their axes, in mm.
+fn with_blades(overcut: f64, offset: f64) -> Value {
+    let blades = [0, 1].map(|cutter| format!("/cutters/{cutter}/blade"));
+    let values: Vec<(String, Value)> = blades
+        .iter()
+        .flat_map(|blade| {
+            let edges = if offset == 0.0 { "double" } else { "single" };
+            [("overcut_mm", json!(overcut)), ("offset_mm", json!(offset)), ("edges", json!(edges))]
+                .map(|(name, value)| (format!("{blade}/{name}"), value))
+        })
+        .collect();
+    let values: Vec<(&str, Value)> = values.iter().map(|(at, value)| (at.as_str(), value.clone())).collect();
+    lab_with(&values)
 }
 
 #[test]
@@ -248,10 +266,13 @@ fn with_a_gap_nothing_is_shared() {
     assert_eq!(faults(&outcome.report, 37.5, 1.0), Vec::<String>::new());
 }
 
-#[test]
-fn defects_and_splices_are_kept_free() {
+#[rstest]
+#[case(0.0, 0.0)]
+#[case(5.0, 0.0)]
+#[case(5.0, -2.0)]
+fn defects_and_splices_are_kept_free(#[case] overcut: f64, #[case] offset: f64) {
     let zones = json!({"zones_mm": [[500, 520], [0, 10], [515, 530.5]]});
-    let outcome = parallel(4, zones, json!({"allocation": "free"}));
+    let outcome = parallel_on(with_blades(overcut, offset), 4, zones, json!({"allocation": "free"}));
     assert_eq!(outcome.verdict, Verdict::Usable, "{:?}", outcome.findings);
     let lead = figure(&outcome.report, "lead_mm");
     let mut last = 0.0_f64;
@@ -267,6 +288,31 @@ fn defects_and_splices_are_kept_free() {
     assert!((figure(&outcome.report, "tape_used_mm") - last).abs() < 0.01);
     let sheet = outcome.drawings.iter().find(|drawing| drawing.name == "roll.svg").unwrap();
     assert!(sheet.svg.contains("defect or splice"));
+}
+
+/// The first cut begins where U reads 0; its piece lies on the tape behind what it overcuts.
+#[test]
+fn a_zone_is_where_it_is_also_under_an_overcut() {
+    let zone = json!({"zones_mm": [[325, 345]]});
+    let outcome = parallel_on(with_blades(5.0, 0.0), 4, zone, json!({"allocation": "free"}));
+    let lead = figure(&outcome.report, "lead_mm");
+    let first = laid(&outcome.report).pop().unwrap();
+    // From 5 to 330 mm it would lie in the defect.
+    assert!((lead - first.range[1] - 345.0).abs() < 0.01, "{}", lead - first.range[1]);
+}
+
+#[test]
+fn the_overcut_takes_tape_too() {
+    let needed = |overcut: f64, length_mm: f64| {
+        parallel_on(with_blades(overcut, 0.0), 4, json!({"length_mm": length_mm}), json!({}))
+    };
+    let used = figure(&needed(0.0, 9000.0).report, "tape_used_mm");
+    let with = figure(&needed(5.0, 9000.0).report, "tape_used_mm");
+    assert!((with - used - 5.0).abs() < 1e-6, "{with} {used}");
+    // The second cutter's station stands 300 mm behind, and it overcuts beyond the last piece.
+    let least = with + 300.0 + 5.0;
+    assert_eq!(needed(5.0, least + 0.01).verdict, Verdict::Usable);
+    assert_eq!(needed(5.0, least - 0.01).verdict, Verdict::NotUsable);
 }
 
 #[rstest]

@@ -25,6 +25,8 @@ pub const STEP_MM: f64 = 1e-4;
 /// What pieces are placed on, and how.
 #[derive(Debug, Clone, Copy)]
 pub struct Tape<'a> {
+    /// How much of it lies before the first piece at the least, in mm.
+    pub ahead_mm: f64,
     /// Scrap between pieces along U in mm.
     pub gap_mm: f64,
     /// Stretches of the tape in mm from its leading end that are kept free of pieces, sorted.
@@ -79,20 +81,20 @@ pub fn least_tape(blocks: &[&Block], tape: &Tape<'_>) -> f64 {
         let at = if shared.is_some() { contact } else { start.free(&alone, pair[1], contact, &tape) };
         mm(at)
     });
-    length(blocks, apart.sum())
+    length(blocks, &tape, apart.sum())
 }
 
 /// The length of tape in mm with all pieces touching, whatever the knives could do.
 #[must_use]
-pub fn touching_tape(blocks: &[&Block]) -> f64 {
+pub fn touching_tape(blocks: &[&Block], tape: &Tape<'_>) -> f64 {
     let apart = blocks.windows(2).map(|pair| -between(&pair[1].lead, 0.0, &pair[0].trail, 0.0).clearance_mm);
-    length(blocks, apart.sum())
+    length(blocks, tape, apart.sum())
 }
 
 /// The length of a roll whose first and last piece are so far apart, u = 0 to u = 0.
-fn length(blocks: &[&Block], apart_mm: f64) -> f64 {
+fn length(blocks: &[&Block], tape: &Tape<'_>, apart_mm: f64) -> f64 {
     match (blocks.first(), blocks.last()) {
-        (Some(first), Some(last)) => first.u.1 + apart_mm - last.u.0,
+        (Some(first), Some(last)) => tape.ahead_mm + first.u.1 + apart_mm - last.u.0,
         _ => 0.0,
     }
 }
@@ -241,7 +243,7 @@ impl Search<'_> {
     fn first(&mut self) -> Option<State> {
         let block = self.blocks.first()?;
         let nothing = Live::of(Vec::new(), self.tape);
-        let at = nothing.free(block.groups(), block, up(block.u.1), self.tape);
+        let at = nothing.free(block.groups(), block, up(self.tape.ahead_mm + block.u.1), self.tape);
         let candidate = Candidate { at, groups: block.groups(), shared_mm: None };
         Some(self.put(&nothing, 0, &candidate))
     }
@@ -333,7 +335,7 @@ mod tests {
     }
 
     fn tape(knives: usize, rule: Rule) -> Tape<'static> {
-        Tape { gap_mm: 0.0, zones: &[], knives, rule, share_mm: None }
+        Tape { ahead_mm: 0.0, gap_mm: 0.0, zones: &[], knives, rule, share_mm: None }
     }
 
     fn placed(pieces: &[Drawn], tape: &Tape<'_>) -> (f64, f64) {

@@ -286,6 +286,8 @@ fn on_roll(
     let pieces = courses.iter().flat_map(|course| &course.pieces);
     let blocks: Vec<Block> = pieces.map(|p| Block::new(&p.piece, &p.chains, half_mm, knives, rule)).collect();
     let tape = Tape {
+        // The first cut begins before its piece by as much as it overcuts, and as an axis trails behind its edge.
+        ahead_mm: input.machine.overcut().mm() + input.machine.ahead_and_behind_mm().1,
         gap_mm: input.scrap_gap.mm(),
         zones: &input.zones_mm,
         knives,
@@ -302,10 +304,7 @@ fn on_roll(
     let of_courses: Vec<usize> = places.iter().map(|(course, _)| *course).collect();
     // The U axis reads 0 with the leading end of the tape under cutter 1.
     let first_station = input.machine.cutters[0].station.mm();
-    // The first cut begins before its piece by as much as it overcuts, and as an axis trails behind its edge.
-    let (_, behind_mm) = input.machine.ahead_and_behind_mm();
-    let leading_end_mm = roll.leading_end_mm + input.machine.overcut().mm() + behind_mm;
-    let lead_mm = rounded(leading_end_mm - first_station, super::stroke::DECIMALS);
+    let lead_mm = rounded(roll.leading_end_mm - first_station, super::stroke::DECIMALS);
     let figures = roll.figures(&blocks, &of_courses, area_mm2, input.width.mm(), lead_mm, &tape);
     let order = roll.order.iter().map(|&index| places[index]).collect();
     let mut plan = TapePlan { courses, order, leading_end_mm: roll.leading_end_mm, figures };
@@ -509,12 +508,13 @@ impl TapePlan {
     }
 
     /// What there is not tape enough for: on the spool, and in one program of the machine. The last cut may be the last
-    /// cutter's, and the tape must still be held then.
+    /// cutter's and goes on beyond its piece, and the tape must still be held then.
     #[must_use]
     pub fn lacking_tape(&self, input: &TapeInput) -> Vec<Finding> {
         let stations = input.machine.cutters.iter().map(|cutter| cutter.station.mm());
         let behind = stations.fold(f64::NEG_INFINITY, f64::max) - input.machine.cutters[0].station.mm()
-            + input.machine.ahead_and_behind_mm().0;
+            + input.machine.ahead_and_behind_mm().0
+            + input.machine.overcut().mm();
         let axis = input.machine.feed.max_length.mm();
         let spool = input.tape_length.map(|length| {
             let what = format!("the spool holds {} mm of tape", length.mm());

@@ -35,7 +35,8 @@ pub struct Roll {
 pub struct RollFigures {
     /// The U axis reads `lead_mm - r + station_mm` of cutter k when that cutter stands over r.
     pub lead_mm: f64,
-    /// Length of tape from its leading end, which is the first cut unless a zone lies there, to the last cut.
+    /// Length of tape from its leading end to the last cut. Unless a zone lies there, the first cut begins at the end: an
+    /// overcut and an axis that trails behind its edge before the piece.
     pub tape_used_mm: f64,
     /// Below this no roll of these pieces in this order can stay, however its knives are given: each two neighbours
     /// for themselves, zones left out. A roll that is no longer is proved to be the shortest.
@@ -105,7 +106,7 @@ impl Roll {
         let passing: Vec<&Block> = self.order.iter().rev().map(|&index| &blocks[index]).collect();
         let tape_area = self.length_mm * width_mm;
         let neighbours = self.neighbours(blocks, courses);
-        let bound_tape_mm = touching_tape(&passing);
+        let bound_tape_mm = touching_tape(&passing, tape);
         let share = |area: f64| if area > 0.0 { piece_area_mm2 / area } else { 0.0 };
         RollFigures {
             lead_mm,
