@@ -6,6 +6,10 @@
 /// reversal could not be cut even if it were wanted.
 pub const U_REVERSAL_MM: f64 = 0.01;
 
+/// A tape is steered where its edges would have to be longer and shorter than its middle by this share: half a percent is some
+/// five times what carbon tape bears without wrinkles, and far more than the rounding of printed points looks like.
+pub const STEERED_STRAIN: f64 = 0.005;
+
 /// A ply edge that lies this close to the tape's own edge, in mm, *is* the tape's edge and needs no cut.
 ///
 /// A tenth of the positioning of the knives; it absorbs the rounding of coordinates printed with three or
@@ -39,7 +43,10 @@ pub const OFFSET_SHARE: f64 = 0.5;
 pub const REPLAY_SLACK_MM: f64 = 0.001;
 
 /// How far a mould point may leave the common plane, in mm, before a ply is no longer flat.
-pub const FLAT_MM: f64 = 0.001;
+///
+/// A tilted plane whose points are printed with two decimals leaves it by up to 0.0087. Seen along the plane's normal
+/// nothing moves by that, and a step of 1 mm is shortened by 0.00005.
+pub const FLAT_MM: f64 = 0.01;
 
 /// Curves of a drawing are flattened so that no chord leaves its curve by more than this, in mm.
 ///

@@ -28,6 +28,7 @@ mod krl_refused;
 mod krl_vim;
 mod layering;
 mod linuxcnc;
+mod mould;
 mod mutation;
 mod nc_refused;
 mod oddities;

@@ -31,6 +31,16 @@ struct Segment {
 /// A uniform grid makes the work proportional to the number of segments for outlines of even spacing.
 #[must_use]
 pub fn first_crossing(loops: &[Vec<Point2>], touch_mm: f64) -> Option<Crossing> {
+    first_crossing_where(loops, touch_mm, |_| true)
+}
+
+/// The first crossing or touch of those at places that count.
+#[must_use]
+pub fn first_crossing_where(
+    loops: &[Vec<Point2>],
+    touch_mm: f64,
+    counts: impl Fn(&Point2) -> bool,
+) -> Option<Crossing> {
     let segments: Vec<Segment> =
         loops.iter().enumerate().flat_map(|(i, points)| segments_of(i, points)).collect();
     let grid = Grid::over(&segments, touch_mm)?;
@@ -40,7 +50,8 @@ pub fn first_crossing(loops: &[Vec<Point2>], touch_mm: f64) -> Option<Crossing> 
         for cell in grid.cells_of(segment) {
             let others = cells.entry(cell).or_default();
             for &earlier in others.iter() {
-                if meets(&segments[earlier], segment, loops, touch_mm) {
+                let one = &segments[earlier];
+                if meets(one, segment, loops, touch_mm) && counts(&meeting(one, segment)) {
                     // A hash map has no order; the smallest pair is the answer whatever the order was.
                     found = Some(found.map_or((earlier, number), |best| best.min((earlier, number))));
                 }

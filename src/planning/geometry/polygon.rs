@@ -16,6 +16,27 @@ pub fn edges(points: &[Point2]) -> impl Iterator<Item = (&Point2, &Point2)> {
     points.iter().zip(points.iter().cycle().skip(1)).take(if points.len() < 2 { 0 } else { points.len() })
 }
 
+/// The first loop that lies inside another, and that other, of loops that do not cross.
+#[must_use]
+pub fn nested(loops: &[&[Point2]]) -> Option<(usize, usize)> {
+    let extents: Vec<(Point2, Point2)> = loops.iter().map(|points| extent(points)).collect();
+    (0..loops.len()).find_map(|inner| {
+        let place = loops[inner].first()?;
+        let around = |outer: &usize| {
+            let (low, high) = &extents[*outer];
+            let near = low.x <= place.x && place.x <= high.x && low.y <= place.y && place.y <= high.y;
+            *outer != inner && near && contains(loops[*outer], place)
+        };
+        Some((inner, (0..loops.len()).find(around)?))
+    })
+}
+
+/// The smallest and the largest coordinates of some points.
+fn extent(points: &[Point2]) -> (Point2, Point2) {
+    let least = Point2::new(f64::INFINITY, f64::INFINITY);
+    points.iter().fold((least, -least), |(low, high), point| (low.inf(point), high.sup(point)))
+}
+
 /// Whether a point lies inside a loop (even-odd rule). On the outline either answer may come.
 #[must_use]
 pub fn contains(points: &[Point2], point: &Point2) -> bool {

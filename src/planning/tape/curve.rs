@@ -2,8 +2,9 @@
 //!
 //! A bare polyline misses the aim of 0.01 mm by itself, so position and frame are interpolated smoothly. At
 //! each point of the course a polynomial of degree 4 is fitted to its neighbours (least squares over up to
-//! nine points, which also averages out the rounding of printed coordinates); between two points, position and
-//! normal follow the cubic through both with the fitted rates. Beyond its ends the course continues with the
+//! nine points, over up to two tape widths where they still lie on one such polynomial, which averages out the
+//! rounding of printed coordinates); between two points, position and normal follow the cubic through both with the
+//! fitted rates. Beyond its ends the course continues with the
 //! curvature and torsion that it ends with, and with their rate of change: on a cone of 20 degrees a helix
 //! alone would miss by 0.02 mm a tape width beyond the end.
 
@@ -70,14 +71,21 @@ struct Fit {
     rate: Vector3,
     bending: Vector3,
     normal_rate: Vector3,
+    /// Every so many points were fitted.
+    stride: usize,
+    /// How far a fitted point is off at the most, in mm, and a normal.
+    off: [f64; 2],
 }
 
 impl Curve {
-    /// The smooth curve through a course of at least two points, continued by `beyond_mm` at both ends.
+    /// The smooth curve through a course of at least two points, continued by `beyond_mm` at both ends. A fit reaches over
+    /// two widths of the tape at the most, unless the points are farther apart.
     #[must_use]
-    pub fn through(course: &Course, beyond_mm: f64) -> Self {
+    pub fn through(course: &Course, width_mm: f64, beyond_mm: f64) -> Self {
         let chords = cumulative_chords(&course.points);
-        let fits: Vec<Fit> = (0..course.points.len()).map(|index| fit(course, &chords, index)).collect();
+        let widest = widest_stride(&chords, width_mm);
+        let fits: Vec<Fit> =
+            (0..course.points.len()).map(|index| fit(course, &chords, index, widest)).collect();
         let mut nodes: Vec<Node> = Vec::with_capacity(fits.len());
         for (index, fit) in fits.iter().enumerate() {
             let s = match nodes.last() {
@@ -87,8 +95,9 @@ impl Curve {
             nodes.push(node(s, course.points[index], course.normals[index], fit));
         }
         let length = nodes[nodes.len() - 1].station.s;
-        let after = continuation(&nodes[nodes.len() - window_width(nodes.len())..], 1.0, beyond_mm);
-        let mut before = continuation(&nodes[..window_width(nodes.len())], -1.0, beyond_mm);
+        let fitted = |fit: &Fit| window_width(nodes.len(), fit.stride) + 1;
+        let after = continuation(&nodes[nodes.len() - fitted(&fits[fits.len() - 1])..], 1.0, beyond_mm);
+        let mut before = continuation(&nodes[..fitted(&fits[0])], -1.0, beyond_mm);
         before.reverse();
         before.extend(nodes);
         before.extend(after);
@@ -156,6 +165,26 @@ impl Curve {
     }
 }
 
+/// How far, about and at the most, places within a tape of that width may be off because the points of its course are so
+/// far apart, in mm. Over a step in which the mould or the course turns by t, a polynomial of degree d is off by some
+/// t^(d + 1) of the step; its direction is by as much, and that counts over the width.
+#[must_use]
+pub fn between_mm(course: &Course, width_mm: f64) -> f64 {
+    let steps: Vec<Vector3> = course.points.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let order = match course.points.len() {
+        ..4 => 2,
+        count => count.min(DEGREE + 1) as i32,
+    };
+    let turns = |index: usize| {
+        let of_mould = course.normals[index].angle(&course.normals[index + 1]);
+        let before = index.checked_sub(1).map_or(0.0, |before| steps[before].angle(&steps[index]));
+        let after = steps.get(index + 1).map_or(0.0, |after| steps[index].angle(after));
+        of_mould.max(before).max(after)
+    };
+    let off = (0..steps.len()).map(|index| steps[index].norm().max(width_mm) * turns(index).powi(order));
+    off.fold(0.0, f64::max)
+}
+
 fn ball(nodes: &[Node]) -> (Point3, f64) {
     let middle = nalgebra::center(&nodes[0].station.origin, &nodes[nodes.len() - 1].station.origin);
     let radius = nodes.iter().map(|node| (node.station.origin - middle).norm()).fold(0.0, f64::max);
@@ -170,22 +199,51 @@ fn cumulative_chords(points: &[Point3]) -> Vec<f64> {
     chords
 }
 
+/// Every how many points a fit takes in at the most.
+fn widest_stride(chords: &[f64], width_mm: f64) -> usize {
+    let steps = chords.len() - 1;
+    let step_mm = chords[steps] / steps as f64;
+    let wanted = (2.0 * width_mm / step_mm) as usize / (2 * REACH);
+    wanted.min(steps / (2 * REACH)).max(1)
+}
+
+/// The widest fit that is as good as the narrowest: then the course bends no more sharply than a polynomial of the degree
+/// can say, and what points are off is rounding.
+fn fit(course: &Course, chords: &[f64], index: usize, widest: usize) -> Fit {
+    let narrow = fit_every(course, chords, index, 1);
+    let good = |wide: &Fit| (0..2).all(|what| wide.off[what] <= ROUGHER * narrow.off[what] + SMOOTH[what]);
+    let halved = std::iter::successors(Some(widest), |stride| Some(stride / 2));
+    let wide = halved.take_while(|stride| *stride > 1).map(|stride| fit_every(course, chords, index, stride));
+    let wide = wide.into_iter().find(good);
+    wide.unwrap_or(narrow)
+}
+
+/// The same rounding leaves points of one fit farther off than those of another: seldom by more than so many times.
+const ROUGHER: f64 = 3.0;
+/// What points, in mm, and normals may be off however good the narrowest fit is.
+const SMOOTH: [f64; 2] = [5e-6, 1e-8];
+
 /// Least squares with polynomials that are orthogonal on the window's own points (Forsythe 1957): each coefficient for
 /// itself, without a system of equations.
-fn fit(course: &Course, chords: &[f64], index: usize) -> Fit {
-    let (first, last) = window(index, chords.len());
-    let rows = last - first + 1;
+fn fit_every(course: &Course, chords: &[f64], index: usize, stride: usize) -> Fit {
+    let (first, last) = window(index, chords.len(), stride);
+    let rows = (last - first) / stride + 1;
     // A parameter within [-1, 1] keeps the numbers well conditioned.
     let scale = (chords[last] - chords[index]).max(chords[index] - chords[first]);
     let mut at = [0.0; ROWS];
     let (mut points, mut normals) = ([Vector3::zeros(); ROWS], [Vector3::zeros(); ROWS]);
     for row in 0..rows {
-        at[row] = (chords[first + row] - chords[index]) / scale;
-        points[row] = course.points[first + row] - course.points[index];
-        normals[row] = course.normals[first + row];
+        let fitted = first + row * stride;
+        at[row] = (chords[fitted] - chords[index]) / scale;
+        points[row] = course.points[fitted] - course.points[index];
+        normals[row] = course.normals[fitted];
     }
     let mut basis = Orthogonal::first(rows);
-    let mut fit = Fit { rate: Vector3::zeros(), bending: Vector3::zeros(), normal_rate: Vector3::zeros() };
+    let zero = Vector3::zeros();
+    let mut fit = Fit { rate: zero, bending: zero, normal_rate: zero, stride, off: [0.0; 2] };
+    let (middle, middle_normal) = (basis.times(&points), basis.times(&normals));
+    basis.leave(&mut points, &middle);
+    basis.leave(&mut normals, &middle_normal);
     for _ in 0..DEGREE.min(rows - 1) {
         basis.advance(&at);
         let (along_points, along_normals) = (basis.times(&points), basis.times(&normals));
@@ -193,10 +251,13 @@ fn fit(course: &Course, chords: &[f64], index: usize) -> Fit {
         fit.rate += along_points * slope;
         fit.bending += along_points * bending;
         fit.normal_rate += along_normals * slope;
+        basis.leave(&mut points, &along_points);
+        basis.leave(&mut normals, &along_normals);
     }
     fit.rate /= scale;
     fit.bending /= scale * scale;
     fit.normal_rate /= scale;
+    fit.off = [&points, &normals].map(|left| left.iter().map(Vector3::norm).fold(0.0, f64::max));
     fit
 }
 
@@ -239,6 +300,14 @@ impl Orthogonal {
         self.value = -a * self.value - b * value;
     }
 
+    /// What is left of something at the same points without its part of this polynomial, `along` being `times` of it.
+    fn leave(&self, others: &mut [Vector3; ROWS], along: &Vector3) {
+        let share = along / self.squared;
+        for (value, other) in self.values.iter().zip(others) {
+            *other -= share * *value;
+        }
+    }
+
     /// The sum of its values times those of something else at the same points.
     fn times(&self, others: &[Vector3; ROWS]) -> Vector3 {
         self.values.iter().zip(others).fold(Vector3::zeros(), |sum, (value, other)| sum + other * *value)
@@ -248,10 +317,10 @@ impl Orthogonal {
 /// The rows of a full window.
 const ROWS: usize = 2 * REACH + 1;
 
-/// The neighbours of a point, shifted inward at the ends so that a fit there has as many.
-fn window(index: usize, count: usize) -> (usize, usize) {
-    let width = (2 * REACH).min(count - 1);
-    let first = index.saturating_sub(REACH).min(count - 1 - width);
+/// The neighbours of a point, every so many of them, shifted inward at the ends so that a fit there has as many.
+fn window(index: usize, count: usize, stride: usize) -> (usize, usize) {
+    let width = window_width(count, stride);
+    let first = index.saturating_sub(REACH * stride).min(count - 1 - width);
     (first, first + width)
 }
 
@@ -283,8 +352,9 @@ fn node(s: f64, origin: Point3, normal: Vector3, fit: &Fit) -> Node {
     Node { station: Station { s, origin, u, v, n }, bend, normal_rate }
 }
 
-fn window_width(count: usize) -> usize {
-    (2 * REACH + 1).min(count)
+/// How many steps a window reaches over.
+fn window_width(count: usize, stride: usize) -> usize {
+    (2 * REACH * stride).min(count - 1)
 }
 
 /// Nodes beyond an end of a course, outward: step by step with the bend going on to change as it does along
@@ -412,7 +482,7 @@ mod tests {
                 points: at.iter().map(|&x| Point3::new(x, value(x), 0.0)).collect(),
                 normals: at.iter().map(|&x| Vector3::new(0.0, 2.0 * value(x), 1.0)).collect(),
             };
-            let fit = fit(&course, &at, index);
+            let fit = fit_every(&course, &at, index, 1);
             let (first, second) = (coefficients[0] / 10.0, 2.0 * coefficients[1] / 100.0);
             prop_assert!((fit.rate - Vector3::new(1.0, first, 0.0)).norm() < 1e-10, "{}", fit.rate);
             prop_assert!((fit.bending - Vector3::new(0.0, second, 0.0)).norm() < 1e-10, "{}", fit.bending);
@@ -429,6 +499,7 @@ mod tests {
         let (points, normals) = (0..40).map(|i| onto(f64::from(i) * 20.0)).unzip();
         let curve = Curve::through(
             &Course { label: 1.into(), place: CoursePlace::default(), points, normals },
+            100.0,
             100.0,
         );
         let mut part = 0;

@@ -12,6 +12,19 @@ pub struct DevelopedPly {
     pub boundary: DevelopedLoop,
     /// The cut-outs.
     pub holes: Vec<DevelopedLoop>,
+    /// The course, where the mould is curved or the course is.
+    pub on_mould: Option<OnMould>,
+}
+
+/// A course on a curved mould, or one that is curved itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OnMould {
+    /// Length of the course in mm.
+    pub length_mm: f64,
+    /// How far, about and at the most, places may be off because the points of the course are so far apart, in mm.
+    pub between_mm: f64,
+    /// The largest geodesic curvature in 1/mm: how much the tape is steered within its own plane.
+    pub steering: f64,
 }
 
 /// An outline in (u, v) of one course. A stretch of it that is not within the tape may be one place that is not known.

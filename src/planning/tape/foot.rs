@@ -5,8 +5,8 @@
 
 use std::ops::Range;
 
-use super::curve::{Bend, Curve, Station};
-use super::developed::DevelopedLoop;
+use super::curve::{Bend, Curve, Station, between_mm};
+use super::developed::{DevelopedLoop, OnMould};
 use super::input::Course;
 use crate::planning::geometry::{Point2, Point3};
 use crate::planning::tolerance::LAST_STEP_MM;
@@ -56,16 +56,26 @@ impl Curved {
     /// Of a course and a tape.
     #[must_use]
     pub fn new(course: &Course, width_mm: f64) -> Self {
-        let curve = Curve::through(course, CONTINUED_WIDTHS * width_mm);
+        let curve = Curve::through(course, width_mm, CONTINUED_WIDTHS * width_mm);
         let longest_step_mm = curve.longest_step();
         Self { curve, width_mm, longest_step_mm }
+    }
+
+    /// What should be known of the course that this is.
+    #[must_use]
+    pub fn about(&self, course: &Course) -> OnMould {
+        OnMould {
+            length_mm: self.curve.length(),
+            between_mm: between_mm(course, self.width_mm),
+            steering: self.curve.steering(),
+        }
     }
 
     /// A point for itself in (u, v).
     #[cfg(test)]
     pub fn place(&self, point: &Point3) -> Option<Point2> {
         let foot = self.search(point, &mut Search::default()).ok()?;
-        Some(foot.place(point))
+        Some(foot.place(point, self.width_mm))
     }
 
     /// A part of an outline, in (u, v). Points that are certain to be outside the tape, and whose neighbours are too, are
@@ -79,7 +89,7 @@ impl Curved {
                 if index + 1 < part.end { (points[index + 1] - point).norm() } else { f64::INFINITY };
             if clear_mm <= step_mm {
                 left_out = false;
-                let found = self.search(point, &mut search).map(|foot| foot.place(point));
+                let found = self.search(point, &mut search).map(|foot| foot.place(point, self.width_mm));
                 let beside_mm = match &found {
                     Ok(place) => place.y.abs(),
                     Err(Elsewhere(off_mm)) => *off_mm,
@@ -147,10 +157,17 @@ impl Curved {
 
 impl Foot {
     /// A point in (u, v) of its foot's frame: `v_dev = sign(v) c phi / sin(phi)` and `u_dev = s - tau w v / 3`.
-    fn place(&self, point: &Point3) -> Point2 {
+    ///
+    /// The arc touches the mould at the foot, so what a point lies off the plane there grows with the square of v. What is
+    /// more than the most that a mould is allowed to curve comes from a trace or an outline that lies off the mould a little:
+    /// taken for an arc it would move a point on the centre line, where v is near 0, by half as much again to one side.
+    fn place(&self, point: &Point3, width_mm: f64) -> Point2 {
         let Self { station, bend, .. } = self;
         let from_foot = point - station.origin;
-        let (v, w) = (from_foot.dot(&station.v), from_foot.dot(&station.n));
+        let v = from_foot.dot(&station.v);
+        // As much as is allowed at half a width, by the square of v.
+        let most = OFF_PLANE_WIDTHS * 4.0 * v * v / width_mm;
+        let w = from_foot.dot(&station.n).clamp(-most, most);
         let chord = v.hypot(w);
         let sine = if chord > 0.0 { w.abs() / chord } else { 0.0 };
         // phi / sin(phi) tends to 1; below this sine it is 1 to the last digit.
@@ -181,6 +198,23 @@ mod tests {
         let stations = (0..=60).map(|i| f64::from(i) * 10.0);
         let (points, normals) = stations.map(|u| (onto(u, 0.0, 0.0), normal(u, 0.0))).unzip();
         (Course { label: 1.into(), place: CoursePlace::default(), points, normals }, onto)
+    }
+
+    /// A trace in the middle of the tape's thickness, an outline on the mould: on the centre line v is 0, and beside it
+    /// goes on without a step.
+    #[test]
+    fn what_lies_off_the_mould_a_little_moves_nothing_on_the_centre_line() {
+        let (course, onto) = on_cylinder(900.0, 0.4);
+        let curved = Curved::new(&course, WIDTH_MM);
+        for off in [-0.125, 0.125] {
+            for v in [0.0, 1e-9, 0.01, 0.3, 1.0, 3.0, 10.0, 50.0] {
+                let place = curved.place(&onto(250.0, v, off)).unwrap();
+                // Beside the foot what lies off by `off` is an arc of another radius: v changes by its share.
+                let share = v * (off / 900.0_f64).abs();
+                assert!((place.y - v).abs() < 0.005 + share, "{v}, off by {off}: {}", place.y);
+                assert!((place.x - 250.0).abs() < 0.005, "{v}, off by {off}: {}", place.x);
+            }
+        }
     }
 
     #[test]

@@ -210,7 +210,9 @@ mod tests {
 
     fn piece(list: &[(f64, f64)]) -> Piece {
         let boundary: Vec<_> = list.iter().map(|&(u, v)| Some(Point2::new(u, v))).collect();
-        within_strip(&DevelopedPly { boundary: boundary.into(), holes: vec![] }, 75.0).unwrap().remove(0)
+        within_strip(&DevelopedPly { boundary: boundary.into(), holes: vec![], on_mould: None }, 75.0)
+            .unwrap()
+            .remove(0)
     }
 
     #[test]
@@ -246,7 +248,7 @@ mod tests {
                 (radius * cos, squash * radius * sin)
             }).collect();
             let boundary: Vec<_> = outline.iter().map(|&(u, v)| Some(Point2::new(u, v))).collect();
-            let ply = DevelopedPly { boundary: boundary.into(), holes: vec![] };
+            let ply = DevelopedPly { boundary: boundary.into(), holes: vec![], on_mould: None };
             let Some(piece) = within_strip(&ply, 75.0).unwrap().into_iter().next() else { return Ok(()) };
             let sides: Vec<Span> = runs(&piece).concat();
             for end in [End::Start, End::Finish] {

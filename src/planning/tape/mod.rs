@@ -24,6 +24,7 @@ pub mod input;
 pub mod label;
 pub mod likeness;
 pub mod machine;
+pub mod mould;
 pub mod offset;
 pub mod outline;
 pub mod overcut;

@@ -5,7 +5,7 @@ use super::label::PlyPlace;
 use super::wire;
 use crate::planning::finding::{Code, Finding};
 use crate::planning::geometry::crossing::{Crossing, first_crossing};
-use crate::planning::geometry::polygon::{contains, signed_area};
+use crate::planning::geometry::polygon::{contains, nested, signed_area};
 use crate::planning::geometry::{Point2, Point3, Vector3};
 use crate::planning::tolerance::{FLAT_MM, LONG_CLOSING_STEP, SAME_POINT_MM};
 
@@ -165,15 +165,15 @@ fn crossing_finding(drafts: &[Draft], crossing: &Crossing, plane: &Plane) -> Fin
 }
 
 fn check_holes(drafts: &[Draft], loops: &[Vec<Point2>], findings: &mut Vec<Finding>) {
+    let holes: Vec<&[Point2]> = loops.iter().skip(1).map(Vec::as_slice).collect();
+    if let Some((inner, outer)) = nested(&holes) {
+        let message = format!("the cut-out lies inside the cut-out {}", drafts[outer + 1].at);
+        findings.push(Finding::error(Code::HoleOutside, drafts[inner + 1].at.as_str(), message));
+    }
     for (number, hole) in loops.iter().enumerate().skip(1) {
         let at = drafts[number].at.as_str();
         if !contains(&loops[0], &hole[0]) {
             findings.push(Finding::error(Code::HoleOutside, at, "the cut-out lies outside the ply"));
-        }
-        let inside = (1..loops.len()).find(|&other| other != number && contains(&loops[other], &hole[0]));
-        if let Some(other) = inside {
-            let message = format!("the cut-out lies inside the cut-out {}", drafts[other].at);
-            findings.push(Finding::error(Code::HoleOutside, at, message));
         }
         if signed_area(hole) > 0.0 {
             let message = "the cut-out turns the same way as the boundary; that is accepted";

@@ -321,7 +321,9 @@ mod tests {
         let outline = [(s[0], -10.0), (f[0], -10.0), (f[1], 0.0), (f[2], 10.0), (s[2], 10.0), (s[1], 0.0)];
         let boundary = outline.map(|(u, v)| Some(Point2::new(u, v))).to_vec();
         let piece =
-            within_strip(&DevelopedPly { boundary: boundary.into(), holes: vec![] }, 20.0).unwrap().remove(0);
+            within_strip(&DevelopedPly { boundary: boundary.into(), holes: vec![], on_mould: None }, 20.0)
+                .unwrap()
+                .remove(0);
         let cuts = piece.cuts().enumerate();
         let chains: Vec<_> = cuts.flat_map(|(index, cut)| split(index, cut, HALF_MM)).collect();
         let given: Vec<_> = chains

