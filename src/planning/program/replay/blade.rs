@@ -53,15 +53,40 @@ impl Cut {
     }
 }
 
-/// Checks the blade of a knife that is down. `turned_deg` is how far it has turned on the spot since it last cut.
-pub(super) fn check(cutter: &Cutter, cut: &Cut, turned_deg: &mut f64, faults: &mut Faults<'_>) {
+/// Where a blade that is down is in its corner.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Corner {
+    /// How far it has turned on the spot, in degrees.
+    turned_deg: f64,
+    /// How far it has cut since it last turned on the spot, in mm.
+    since_mm: f64,
+    /// How far it has cut in short steps, one after the other, in mm.
+    short_mm: f64,
+}
+
+impl Corner {
+    /// The blade goes on by so much. Short steps are one corner as long as they together are short.
+    fn go_on(&mut self, length_mm: f64) {
+        self.short_mm = if length_mm > SHORT_CUT_MM { 0.0 } else { self.short_mm + length_mm };
+        self.since_mm += length_mm;
+        if self.since_mm > SHORT_CUT_MM {
+            self.turned_deg = 0.0;
+        }
+    }
+
+    fn turn(&mut self, by_deg: f64) {
+        self.turned_deg += by_deg;
+        self.since_mm = 0.0;
+    }
+}
+
+/// Checks the blade of a knife that is down.
+pub(super) fn check(cutter: &Cutter, cut: &Cut, corner: &mut Corner, faults: &mut Faults<'_>) {
     if !cut.advances() {
-        return turn_on_the_spot(cutter, cut, turned_deg, faults);
+        return turn_on_the_spot(cutter, cut, corner, faults);
     }
-    if cut.length_mm() > cut.noise_mm {
-        *turned_deg = 0.0;
-    }
-    let allowed = allowed_deg(cutter, cut);
+    corner.go_on(cut.length_mm());
+    let allowed = allowed_deg(cutter, cut, corner);
     // gamma = atan2(dU, dV) in tape coordinates (domain.md A5).
     let gamma = cut.way[0].atan2(cut.way[1]).to_degrees();
     let off = cut.blade.map(|angle| off_deg(angle - gamma, cutter.edges)).into_iter().fold(0.0, f64::max);
@@ -80,13 +105,13 @@ pub(super) fn check(cutter: &Cutter, cut: &Cut, turned_deg: &mut f64, faults: &m
     }
 }
 
-fn turn_on_the_spot(cutter: &Cutter, cut: &Cut, turned_deg: &mut f64, faults: &mut Faults<'_>) {
+fn turn_on_the_spot(cutter: &Cutter, cut: &Cut, corner: &mut Corner, faults: &mut Faults<'_>) {
     let lift = cutter.lift_angle.degrees();
-    let before = *turned_deg;
-    *turned_deg += cut.turn_deg();
+    let before = corner.turned_deg;
+    corner.turn(cut.turn_deg());
     let limit = lift + 2.0 * PRINTED_DEG;
-    if *turned_deg > limit && before <= limit {
-        let turned = *turned_deg;
+    let turned = corner.turned_deg;
+    if turned > limit && before <= limit {
         faults.at_line(Code::BladeAngle, cut.line, || {
             format!("blade {} turns by {turned:.3} degrees in the tape; above {lift} it lifts", cutter.number)
         });
@@ -97,13 +122,14 @@ fn turn_on_the_spot(cutter: &Cutter, cut: &Cut, turned_deg: &mut f64, faults: &m
 ///
 /// A short cut is part of a corner, through which a blade may turn without being lifted, and printed digits
 /// turn it by up to `asin(noise / length)`.
-fn allowed_deg(cutter: &Cutter, cut: &Cut) -> f64 {
+fn allowed_deg(cutter: &Cutter, cut: &Cut, corner: &Corner) -> f64 {
     let length_mm = cut.length_mm();
     if length_mm > SHORT_CUT_MM {
         return BLADE_ALONG_CUT_DEG;
     }
     let printed_deg = (cut.noise_mm / length_mm).min(1.0).asin().to_degrees();
-    cutter.lift_angle.degrees().max(BLADE_ALONG_CUT_DEG) + printed_deg
+    let lift_deg = if corner.short_mm > SHORT_CUT_MM { 0.0 } else { cutter.lift_angle.degrees() };
+    lift_deg.max(BLADE_ALONG_CUT_DEG) + printed_deg
 }
 
 /// The size of an angle, in degrees, if half a turn (double edge) or a whole turn (single edge) counts nothing.

@@ -1,7 +1,7 @@
 //! The machine as the events of a program drive it: axes, knives, generator, dwells.
 
 use super::beam;
-use super::blade::{self, Cut};
+use super::blade::{self, Corner, Cut};
 use super::faults::Faults;
 use super::strokes::Stroke;
 use super::trail::{self, Trail};
@@ -46,8 +46,8 @@ struct Knife {
     stroke: Option<Stroke>,
     /// The way of its axis while it is down, if its edge lies beside that.
     trail: Option<Trail>,
-    /// How far the blade has turned in the material since the last cut, in degrees.
-    turned_deg: f64,
+    /// Where the blade is in its corner.
+    corner: Corner,
     /// Whether this stroke was said to leave the tape.
     said_beside: bool,
 }
@@ -72,7 +72,7 @@ impl<'a, 'b> Platform<'a, 'b> {
             settled_s: f64::INFINITY,
             stroke: None,
             trail: None,
-            turned_deg: 0.0,
+            corner: Corner::default(),
             said_beside: false,
         };
         let axes = Axes::of(setup.machine);
@@ -179,7 +179,7 @@ impl<'a, 'b> Platform<'a, 'b> {
         let to = self.axes.knife_at(index, &moved.to, self.setup.lead_mm);
         let cut = Cut::of(&self.axes, index, moved);
         let knife = &mut self.knives[index];
-        blade::check(cutter, &cut, &mut knife.turned_deg, self.faults);
+        blade::check(cutter, &cut, &mut knife.corner, self.faults);
         if !cut.advances() {
             return;
         }
@@ -236,7 +236,7 @@ impl<'a, 'b> Platform<'a, 'b> {
             settled_s: 0.0,
             stroke: Some(Stroke::at(at)),
             trail: cutter.swivels().then(trail),
-            turned_deg: 0.0,
+            corner: Corner::default(),
             said_beside: false,
         };
     }

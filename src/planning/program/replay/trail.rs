@@ -75,13 +75,13 @@ impl Trail {
     fn check_blade(&self, cutter: &Cutter, edge: &[[f64; 2]], faults: &mut Faults<'_>) {
         let printed_mm = 2.0 * (PRINTED_MM + cutter.offset.mm().abs() * PRINTED_DEG.to_radians());
         let noise_mm = printed_mm * std::f64::consts::SQRT_2 + REPLAY_SLACK_MM;
-        let mut turned_deg = 0.0;
+        let mut corner = blade::Corner::default();
         let mut from = 0;
         for (to, place) in self.places.iter().enumerate().skip(1).filter(|(_, place)| place.whole) {
             let way = [edge[to][0] - edge[from][0], edge[to][1] - edge[from][1]];
             let blade_deg = [self.places[from].blade_deg, place.blade_deg];
             let cut = Cut::of_edge(way, blade_deg, place.line, noise_mm);
-            blade::check(cutter, &cut, &mut turned_deg, faults);
+            blade::check(cutter, &cut, &mut corner, faults);
             from = to;
         }
     }

@@ -66,6 +66,31 @@ fn from_some_hundredths_on_a_cut_has_its_blade_along_it() {
     assert_eq!(step(0.032), blade_fault(6));
 }
 
+/// Many short steps are a cut and no corner: 14 degrees off, and no step as long as one that is looked at by itself.
+#[test]
+fn short_steps_in_a_row_have_the_blade_along_them() {
+    let steps = |count: u32| {
+        let step = |i: u32| {
+            format!("U{:.4} V{:.4} F999.0\n", 100.0 + 0.004 * f64::from(i), -37.5 + 0.016 * f64::from(i))
+        };
+        let steps: String = (1..=count).map(step).collect();
+        found(&lab(), &square("", "", "").replace("G1 V37.5 F8.0\n", &format!("G1 {steps}V37.5 F8.0\n")))
+    };
+    assert_eq!(steps(1), []);
+    assert_eq!(steps(2), blade_fault(7));
+}
+
+/// Turns with next to no way between them are one corner.
+#[test]
+fn a_corner_is_no_less_for_a_step_of_nothing_within_it() {
+    let between = |mm: f64| {
+        let turns =
+            format!("G1 A10.0 F60.0\nV{:.4} F999.0\nA20.0 F60.0\nA10.0 F60.0\nA0.0 F60.0\n", -37.5 + mm);
+        found(&lab(), &square("", "", "").replace("G1 V37.5 F8.0\n", &format!("{turns}V37.5 F8.0\n")))
+    };
+    assert!(between(0.001).contains(&blade_fault(8)[0]), "{:?}", between(0.001));
+}
+
 #[test]
 fn a_single_edge_cuts_in_its_direction_only() {
     let mut machine = lab();

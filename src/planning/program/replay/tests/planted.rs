@@ -13,6 +13,10 @@ const WITHIN_MM: f64 = TOLERANCE_MM + REPLAY_SLACK_MM;
 type Points = Vec<[f64; 2]>;
 
 fn compared(wanted: &[Points], made: &[Points]) -> (Compared, Vec<Finding>) {
+    compared_with(0.0, wanted, made)
+}
+
+fn compared_with(overcut_mm: f64, wanted: &[Points], made: &[Points]) -> (Compared, Vec<Finding>) {
     let machine = lab();
     let wanted: Vec<_> =
         wanted.iter().map(|points| WantedCut { course: 1.into(), points: points.clone() }).collect();
@@ -24,7 +28,7 @@ fn compared(wanted: &[Points], made: &[Points]) -> (Compared, Vec<Finding>) {
         tolerance_mm: TOLERANCE_MM,
         tape_width_mm: 300.0,
         wanted: &wanted,
-        overcut_mm: 0.0,
+        overcut_mm,
         pieces: &[],
         before: &[],
     };
@@ -52,6 +56,18 @@ fn shifted(points: &[[f64; 2]], by: [f64; 2]) -> Points {
 fn straight(from: [f64; 2], direction_deg: f64, length_mm: f64) -> Points {
     let (sin, cos) = direction_deg.to_radians().sin_cos();
     vec![from, [from[0] + length_mm * cos, from[1] + length_mm * sin]]
+}
+
+/// An overcut goes on from its cut. A dip of the knife elsewhere is none, however short it is.
+#[test]
+fn a_stroke_that_goes_on_from_nothing_is_no_overcut() {
+    let wanted = vec![vec![[100.0, -30.0], [100.0, 30.0]]];
+    let longer = vec![[100.0, -34.0], [100.0, 34.0]];
+    let (with, findings) = compared_with(5.0, &wanted, std::slice::from_ref(&longer));
+    assert_eq!((findings, with.overcut_mm.round()), (vec![], 8.0));
+    let stray = vec![[200.0, 0.0], [204.0, 0.0]];
+    let (with, findings) = compared_with(5.0, &wanted, &[longer, stray]);
+    assert_eq!((codes(&findings), with.unwanted_mm), (vec![Code::Unwanted], 4.0));
 }
 
 fn codes(findings: &[Finding]) -> Vec<Code> {
