@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use bladeplan::planning::outcome::{Outcome, sha256_hex};
+use bladeplan::planning::outcome::{Outcome, Verdict, sha256_hex};
 use bladeplan::planning::program::events::{AXIS_LETTERS, Event};
 use bladeplan::planning::program::nc::read::read;
 use bladeplan::planning::tape::trace::{PlantedTrace, text};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
+use crate::craft::overcutting;
 use crate::profiles::{job, lab_with, plan_job};
 use crate::random_plies::{Ply, plies};
 use crate::rounds::runner;
@@ -100,6 +101,28 @@ fn the_planted_trace_parses_back_to_the_strokes_of_the_program() {
         same(&cut(&outcome), &planted(&trace, &outcome.report))
     };
     runner(40).run(&plies(), parses).unwrap();
+}
+
+/// A slot across a course, as wide as pieces lie apart: both pieces of the course lie at one offset on the roll.
+#[test]
+fn strokes_of_two_pieces_at_one_offset_are_told_apart() {
+    let slotted = json!({"kind": "tape-cut", "input": {
+        "tape": {"width_mm": 75, "thickness_mm": 0.125},
+        "boundary": {"points": [[0, -60, 0], [0, 60, 0], [400, 60, 0], [400, -60, 0]]},
+        "holes": [{"points": [[150, -50, 0], [150, 50, 0], [200, 50, 0], [200, -50, 0]]}],
+        "tracks": [{"number": 1, "points": [
+            {"position": [0, 0, 0], "normal": [0, 0, 1]}, {"position": [400, 0, 0], "normal": [0, 0, 1]}]}]}});
+    for mm in [0.0, 1.0] {
+        let outcome = plan_job(&slotted, &overcutting(mm), &json!({"scrap_gap_mm": 50})).unwrap();
+        assert_eq!(outcome.verdict, Verdict::Usable, "{:?}", outcome.findings);
+        let pieces = outcome.report["courses"][0]["pieces"].as_array().unwrap();
+        assert_eq!(pieces[0]["roll_offset_mm"], pieces[1]["roll_offset_mm"], "else this test shows nothing");
+        let trace = text::read(attachment(&outcome, "trace-planted.txt")).unwrap();
+        let strokes = trace.courses[0].strokes.iter();
+        let mut found: Vec<_> = strokes.map(|stroke| (stroke.piece, stroke.down[0])).collect();
+        found.sort_by(|one, other| one.1.total_cmp(&other.1));
+        assert_eq!(found, [(1, 0.0), (1, 150.0), (2, 200.0), (2, 400.0)]);
+    }
 }
 
 #[test]

@@ -237,7 +237,7 @@ mod tests {
     fn what_goes_on_is_one_conflict() {
         let stroke = |x: f64| {
             let knot = super::super::stroke::Knot { x, v: 0.0, blade_deg: 0.0 };
-            Stroke { course: 7.into(), x_of_u0: 100.0, knots: vec![knot; 2] }
+            Stroke { course: 7.into(), piece: 0, x_of_u0: 100.0, knots: vec![knot; 2] }
         };
         let (one, other) = (stroke(0.0), stroke(5.0));
         let tasks = [&one, &other].map(|stroke| Task { stroke: Some(stroke), bound: true });

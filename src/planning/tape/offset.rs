@@ -201,8 +201,8 @@ impl<'a> Axis<'a> {
 
     /// The knife goes down at a knot.
     fn begin(&mut self, stroke: &Stroke, knot: &Knot, back: &mut Back) {
-        let (course, x_of_u0) = (stroke.course, stroke.x_of_u0);
-        self.done.push(Stroke { course, x_of_u0, knots: Vec::new() });
+        let Stroke { course, piece, x_of_u0, .. } = *stroke;
+        self.done.push(Stroke { course, piece, x_of_u0, knots: Vec::new() });
         self.last = None;
         self.reach(knot, knot.blade_deg, back);
     }
@@ -342,7 +342,7 @@ mod tests {
     fn followed(list: &[(f64, f64)], offset_mm: f64) -> Result<Vec<Stroke>, Vec<Finding>> {
         let machine = machine(offset_mm);
         let points: Vec<_> = list.iter().map(|&(u, v)| Point2::new(u, v)).collect();
-        let made = strokes(&split(0, &points, 37.5)[0], 1.into(), &machine.cutters[0], 100.0, 0.01);
+        let made = strokes(&split(0, &points, 37.5)[0], (1.into(), 0), &machine.cutters[0], 100.0, 0.01);
         follow(vec![made, Vec::new()], &machine, 0.01).map(|mut followed| followed.remove(0))
     }
 

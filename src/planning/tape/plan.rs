@@ -472,9 +472,10 @@ impl TapePlan {
         let mut of_cutters: Vec<Vec<Stroke>> = vec![Vec::new(); input.machine.cutters.len()];
         for (course, piece, (chain, cutter)) in self.passing_chains() {
             let machine_cutter = &input.machine.cutters[*cutter];
-            let x_of_u0 = self.figures.lead_mm - piece.offset_mm + machine_cutter.station.mm();
+            let offset_mm = course.pieces[piece].offset_mm;
+            let x_of_u0 = self.figures.lead_mm - offset_mm + machine_cutter.station.mm();
             let thinning_mm = machine_cutter.thinning_mm(input.thinning_mm(), input.tolerance.mm());
-            let mut made = strokes(chain, course.label, machine_cutter, x_of_u0, thinning_mm);
+            let mut made = strokes(chain, (course.label, piece), machine_cutter, x_of_u0, thinning_mm);
             let before = of_cutters[*cutter].last().and_then(|stroke| stroke.knots.last());
             if !machine_cutter.swivels() {
                 hold_back(&mut made, before.map_or(f64::NEG_INFINITY, |knot| knot.x));
@@ -484,19 +485,21 @@ impl TapePlan {
         of_cutters
     }
 
-    /// The chains that knives make, in the order in which they pass: neighbours share places of the roll.
-    fn passing_chains(&self) -> Vec<(&PlannedCourse, &PlannedPiece, &(Chain, usize))> {
+    /// The chains that knives make, each with its course and the index of its piece there, in the order in which they pass:
+    /// neighbours share places of the roll.
+    fn passing_chains(&self) -> Vec<(&PlannedCourse, usize, &(Chain, usize))> {
         let mut chains = Vec::new();
-        for (course, piece) in self.pieces().rev() {
+        for &(course, index) in self.order.iter().rev() {
+            let course = &self.courses[course];
+            let piece = &course.pieces[index];
             let made = piece.chains.iter().filter(|(chain, _)| !piece.shares(chain));
-            chains.extend(made.map(|chain| (course, piece, chain)));
+            chains.extend(made.map(|chain| (course, index, chain)));
         }
-        chains.sort_by(|(_, one, (a, _)), (_, other, (b, _))| {
-            let on_roll = |piece: &PlannedPiece, (low, high): (f64, f64)| {
-                (low + piece.offset_mm, high + piece.offset_mm)
-            };
-            passing(on_roll(one, a.busy_mm), on_roll(other, b.busy_mm))
-        });
+        let on_roll = |&(course, piece, (chain, _)): &(&PlannedCourse, usize, &(Chain, usize))| {
+            let offset_mm = course.pieces[piece].offset_mm;
+            (chain.busy_mm.0 + offset_mm, chain.busy_mm.1 + offset_mm)
+        };
+        chains.sort_by(|one, other| passing(on_roll(one), on_roll(other)));
         chains
     }
 

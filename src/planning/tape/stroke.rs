@@ -32,6 +32,8 @@ pub struct Knot {
 pub struct Stroke {
     /// What its course is called.
     pub course: CourseLabel,
+    /// Which piece of the course it is of, from 0. Where that lies would not tell: two may lie at one offset on the roll.
+    pub piece: usize,
     /// Reading of the tape axis in mm at which the knife stands over u = 0 of its piece.
     pub x_of_u0: f64,
     /// At least two knots, x never decreasing.
@@ -47,13 +49,14 @@ pub fn period_deg(edges: Edges) -> f64 {
     }
 }
 
-/// The strokes of a chain in the order in which its knife makes them.
+/// The strokes of a chain of a piece, the index of which in its course is given, in the order in which its knife makes
+/// them.
 ///
-/// `x_of_r0` is the reading of the tape axis at which the knife stands over u = 0 of the piece.
+/// `x_of_u0` is the reading of the tape axis at which the knife stands over u = 0 of the piece.
 #[must_use]
 pub fn strokes(
     chain: &Chain,
-    course: CourseLabel,
+    (course, piece): (CourseLabel, usize),
     cutter: &Cutter,
     x_of_u0: f64,
     tolerance_mm: f64,
@@ -72,7 +75,7 @@ pub fn strokes(
         let blade_deg = rounded(segment.blade_deg, DECIMALS);
         let sharp = last_blade.is_none_or(|last: f64| (blade_deg - last).abs() > cutter.lift_angle.degrees());
         if sharp {
-            strokes.push(Stroke { course, x_of_u0, knots: vec![Knot { x: x0, v: v0, blade_deg }] });
+            strokes.push(Stroke { course, piece, x_of_u0, knots: vec![Knot { x: x0, v: v0, blade_deg }] });
         }
         if let Some(stroke) = strokes.last_mut() {
             if let Some(last) = stroke.knots.last_mut() {
@@ -153,7 +156,7 @@ mod tests {
     fn first_blade(list: &[(f64, f64)]) -> f64 {
         let points: Vec<_> = list.iter().map(|&(u, v)| Point2::new(u, v)).collect();
         let chain = &split(0, &points, 37.5)[0];
-        strokes(chain, 1.into(), &cutter(), 0.0, 0.01)[0].knots[0].blade_deg
+        strokes(chain, (1.into(), 0), &cutter(), 0.0, 0.01)[0].knots[0].blade_deg
     }
 
     #[test]
@@ -169,7 +172,7 @@ mod tests {
     fn a_sharp_corner_starts_a_new_stroke_and_a_blunt_one_does_not() {
         let points: Vec<_> =
             [(30.0, -10.0), (20.0, 0.0), (19.0, 10.0), (17.0, 20.0)].map(|(u, v)| Point2::new(u, v)).to_vec();
-        let made = strokes(&split(0, &points, 37.5)[0], 1.into(), &cutter(), 100.0, 0.01);
+        let made = strokes(&split(0, &points, 37.5)[0], (1.into(), 0), &cutter(), 100.0, 0.01);
         assert_eq!(made.iter().map(|stroke| stroke.knots.len()).collect::<Vec<_>>(), [2, 3]);
         assert_eq!(made[0].knots[0].x, 70.0);
         assert_eq!(made[1].knots[0].x, made[0].knots[1].x);
@@ -179,6 +182,7 @@ mod tests {
     fn the_blade_turns_the_shortest_way_and_stays_in_its_range() {
         let stroke = |from: f64, to: f64| Stroke {
             course: 1.into(),
+            piece: 0,
             x_of_u0: 0.0,
             knots: vec![Knot { x: 0.0, v: 0.0, blade_deg: from }, Knot { x: 1.0, v: 0.0, blade_deg: to }],
         };

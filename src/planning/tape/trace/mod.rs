@@ -79,11 +79,8 @@ pub fn planted(plan: &TapePlan, strokes: &[Vec<Stroke>], input: &TapeInput) -> P
     }
     let courses = plan.courses.iter().map(|course| {
         let strokes = of_courses.remove(&course.label).unwrap_or_default();
-        let planted = strokes.into_iter().map(|(cutter, stroke)| {
-            // A stroke knows where its piece lies; two pieces of a course never lie at one place.
-            let offset_mm = plan.figures.lead_mm + cutter.station.mm() - stroke.x_of_u0;
-            trace_stroke(stroke, piece_at(course, offset_mm), cutter, &input.machine)
-        });
+        let planted =
+            strokes.into_iter().map(|(cutter, stroke)| trace_stroke(stroke, cutter, &input.machine));
         let CourseLabel { ply, number } = course.label;
         TraceCourse { ply, number, points: points(course, input), strokes: planted.collect() }
     });
@@ -97,21 +94,15 @@ fn points(course: &PlannedCourse, input: &TapeInput) -> Vec<[f64; 6]> {
     pairs.map(|(at, n)| [at.x, at.y, at.z, n.x, n.y, n.z].map(place)).collect()
 }
 
-/// The piece of a course that lies nearest to a place on the roll, from 1.
-fn piece_at(course: &PlannedCourse, offset_mm: f64) -> usize {
-    let distance = |index: &usize| (course.pieces[*index].offset_mm - offset_mm).abs();
-    let nearest = (0..course.pieces.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-    nearest.map_or(0, |index| index + 1)
-}
-
-fn trace_stroke(stroke: &Stroke, piece: usize, cutter: &Cutter, machine: &Machine) -> TraceStroke {
+fn trace_stroke(stroke: &Stroke, cutter: &Cutter, machine: &Machine) -> TraceStroke {
     let place = |knot: &Knot| [rounded(stroke.x_of_u0 - knot.x, DECIMALS), rounded(knot.v, DECIMALS)];
     let cuts = stroke.knots.windows(2).map(|ends| TraceCut {
         to: place(&ends[1]),
         blade_deg: rounded(ends[0].blade_deg, DECIMALS),
         feed_mm_s: rounded(feed_mm_s(&ends[0], &ends[1], cutter, machine), DECIMALS),
     });
-    TraceStroke { piece, cutter: cutter.number, down: place(&stroke.knots[0]), cuts: cuts.collect() }
+    let (piece, down) = (stroke.piece + 1, place(&stroke.knots[0]));
+    TraceStroke { piece, cutter: cutter.number, down, cuts: cuts.collect() }
 }
 
 /// The speed of a knife along a straight cut: as fast as the tape, the carriage and the way in the tape allow.
