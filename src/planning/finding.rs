@@ -118,7 +118,7 @@ codes! {
     Steered,
     /// The points of a course are too far apart for the smooth course between them (planned all the same).
     CoarseCourse,
-    /// A piece that goes on beyond the end of its course by more than half a width (planned all the same).
+    /// A piece that goes on beyond the end of its course by more than a width (planned all the same).
     CourseContinued,
     // -- The contour of a core.
     /// A contour that does not go from one side of the blank to the other.
@@ -167,6 +167,8 @@ codes! {
     Uncut,
     /// Something is cut that should not be.
     Unwanted,
+    /// A piece that lies over another on the roll, closer to it than the gap, in a zone, or before the tape begins.
+    MisplacedPiece,
     /// A cut lies farther from its place than the tolerance.
     Deviation,
     /// The blade does not lie along its cut.

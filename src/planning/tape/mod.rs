@@ -50,7 +50,7 @@ pub mod zone;
 use self::difference::difference;
 use self::input::TapeInput;
 use self::label::CourseLabel;
-use self::plan::TapePlan;
+use self::plan::{PlannedPiece, TapePlan};
 use self::report::TapeReport;
 use self::trace::PlantedTrace;
 use super::budget::Budget;
@@ -62,7 +62,9 @@ use super::outcome::{Outcome, ProgramFile};
 use super::program::moves::TapeProgram;
 use super::program::nc;
 use super::program::nc::dialect::language;
+use super::program::replay::layout::{Laid, Layout, check_layout};
 use super::program::replay::{ReplayFigures, ReplaySetup, dry, replay};
+use super::tolerance::REPLAY_SLACK_MM;
 
 /// Name of the one program of a tape-cut job: what it is, with the ending of its dialect.
 #[must_use]
@@ -258,8 +260,34 @@ fn judge(
     };
     let (figures, mut findings) =
         judged.unwrap_or_else(|faults| (ReplayFigures::nothing_made(&wanted), faults));
+    findings.extend(misplaced(name, plan, input));
     findings.extend(too_long(name, text, input.machine.max_line_characters));
     (figures, findings)
+}
+
+/// Pieces that lie where they must not.
+fn misplaced(name: &str, plan: &TapePlan, input: &TapeInput) -> Vec<Finding> {
+    let pieces: Vec<(Laid, &PlannedPiece)> = plan
+        .pieces()
+        .map(|(course, piece)| {
+            let range = (piece.u.0 + piece.offset_mm, piece.u.1 + piece.offset_mm);
+            (Laid { course: course.label, range }, piece)
+        })
+        .collect();
+    let laid: Vec<Laid> = pieces.iter().map(|(laid, _)| *laid).collect();
+    let layout = Layout {
+        // The U axis reads 0 with the leading end under cutter 1.
+        leading_end_mm: plan.figures.lead_mm + input.machine.cutters[0].station.mm(),
+        zones_mm: &input.zones_mm,
+        gap_mm: input.scrap_gap.mm(),
+        width_mm: input.width.mm(),
+        within_mm: input.tolerance.mm() + REPLAY_SLACK_MM,
+    };
+    let outline = |index: usize| {
+        let piece = pieces[index].1;
+        piece.piece.outline().iter().map(|point| [point.x + piece.offset_mm, point.y]).collect()
+    };
+    check_layout(name, &laid, outline, &layout)
 }
 
 /// The first line that is longer than the machine's control takes.

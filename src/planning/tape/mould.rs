@@ -13,6 +13,10 @@ use crate::planning::geometry::polygon::{contains, nested};
 use crate::planning::geometry::{Point2, Point3};
 use crate::planning::tolerance::{CHORD_MM, SAME_POINT_MM, STEERED_STRAIN};
 
+/// Beyond the ends of a course so many tape widths are continued to about a hundredth of a millimetre, on cylinders and cones of
+/// R 800 and more.
+const CONTINUED_WELL_WIDTHS: f64 = 1.0;
+
 /// A fault of the outlines within the tape of a course, with the course's name and in its ply's place.
 #[must_use]
 pub fn named(fault: Finding, course: &Course, developed: &DevelopedPly) -> Finding {
@@ -71,10 +75,10 @@ pub fn check(
         (-low).max(high - on_mould.length_mm)
     };
     let farthest = pieces.iter().map(beyond).fold(0.0, f64::max);
-    let continued = (farthest > width_mm / 2.0).then(|| {
+    let continued = (farthest > CONTINUED_WELL_WIDTHS * width_mm).then(|| {
         let message = format!(
             "the ply goes on {farthest:.1} mm beyond the end of the course, which is continued there as it bends at its end; \
-             beyond half the tape's width that may miss the mould. Let the course reach to the ply's edge"
+             farther than the tape is wide that may miss the mould by more than 0.01 mm. Let the course reach to the ply's edge"
         );
         warning(Code::CourseContinued, message)
     });

@@ -2,7 +2,8 @@
 //!
 //! `run` goes through the events as the machine would, with `travel` and `blade` looking at each move, and
 //! keeps the way of each knife that is down as `strokes`, found by its `trail` where the edge lies beside its axis. `compare` lays these against the wanted cuts, with
-//! `curves` to find what is near, `nearness` for the exact distances and `passes` for what is cut twice.
+//! `curves` to find what is near, `nearness` for the exact distances and `passes` for what is cut twice. `layout` looks at where
+//! the pieces lie.
 
 mod beam;
 mod blade;
@@ -11,6 +12,7 @@ mod compare;
 mod curves;
 pub mod dry;
 mod faults;
+pub mod layout;
 mod nearness;
 mod overcut;
 mod passes;
@@ -28,6 +30,9 @@ use crate::planning::tape::label::CourseLabel;
 use crate::planning::tape::machine::Machine;
 use faults::Faults;
 use strokes::Stroke;
+
+/// A closed line in roll coordinates (r, v), in mm, its first point not repeated.
+pub type Ring = Vec<[f64; 2]>;
 
 /// A cut that the plan wants, in roll coordinates, as it was developed: not thinned, not ordered.
 #[derive(Debug, Clone, PartialEq)]
