@@ -216,7 +216,8 @@ fn finish(
     let Written { text, program, bound_time_s, trace, .. } = written;
     let report = TapeReport::new(plan, input, &program, bound_time_s, figures, tips);
     let file = ProgramFile { name, dialect: language(input.machine.dialect).name, text };
-    let sheet = (!any_error(&findings)).then(|| setup::sheet(plan, &program, &file, input, input_sha256));
+    let sheet =
+        (!any_error(&findings)).then(|| setup::sheet(plan, &program, &file, input, input_sha256, &findings));
     let attachments = trace.into_attachments().into_iter().chain(sheet).collect();
     Outcome::new("tape-cut", input_sha256, findings, vec![file], drawings, Some(report))
         .with_attachments(attachments)

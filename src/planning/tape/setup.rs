@@ -4,6 +4,7 @@ use super::input::TapeInput;
 use super::machine::{Cutter, Dialect, Machine};
 use super::plan::TapePlan;
 use super::spool::Turning;
+use crate::planning::finding::{Finding, Severity};
 use crate::planning::outcome::{Attachment, PLANNER_VERSION, ProgramFile, sha256_hex};
 use crate::planning::program::moves::{Pose, Step, TapeProgram};
 use crate::planning::program::number::fixed;
@@ -17,9 +18,11 @@ pub fn sheet(
     file: &ProgramFile,
     input: &TapeInput,
     input_sha256: &str,
+    findings: &[Finding],
 ) -> Attachment {
     let mut text = String::from("# Set-up sheet\n\n");
-    text.push_str(&warnings(program, input));
+    text.push_str(&no_whole_roll(program, input));
+    text.push_str(&warnings_part(findings));
     text.push_str(&program_part(program, file, &input.machine, input_sha256));
     text.push_str(&tape_part(plan, program, input));
     text.push_str(&zero_part(program, &input.machine));
@@ -30,7 +33,7 @@ pub fn sheet(
 }
 
 /// What must be known before all else: this program is not one that cuts a whole roll.
-fn warnings(program: &TapeProgram, input: &TapeInput) -> String {
+fn no_whole_roll(program: &TapeProgram, input: &TapeInput) -> String {
     let mut text = String::new();
     if input.dry_run {
         text.push_str(
@@ -49,6 +52,26 @@ fn warnings(program: &TapeProgram, input: &TapeInput) -> String {
     }
     text
 }
+
+/// What the report warns of; empty if of nothing.
+fn warnings_part(findings: &[Finding]) -> String {
+    let warnings: Vec<&Finding> = findings.iter().filter(|f| f.severity == Severity::Warning).collect();
+    if warnings.is_empty() {
+        return String::new();
+    }
+    let named = warnings.iter().take(MOST_WARNINGS).map(|warning| format!("- {}\n", cell(&warning.message)));
+    let named = named.collect::<String>();
+    let more = match warnings.len().saturating_sub(MOST_WARNINGS) {
+        0 => String::new(),
+        more => format!("- and {more} more, in the report\n"),
+    };
+    format!(
+        "## Warnings\n\nThe program holds what it says; see whether it says what is wanted.\n\n{named}{more}\n"
+    )
+}
+
+/// So many warnings are read on a sheet of paper.
+const MOST_WARNINGS: usize = 20;
 
 /// What the tape axis reads with so much tape fed.
 fn reading(machine: &Machine, feed_mm: f64) -> String {
@@ -287,7 +310,14 @@ fn manifest_part(plan: &TapePlan, input: &TapeInput) -> String {
         "## Cassette, in the order in which it gives the pieces out\n\n\
          | | {ply}course | piece | length mm | area mm2 | roll from mm | to mm | |\n|---|{line}---|---|---|---|---|---|---|\n"
     );
+    let cut_here = cut_here(plan, input).len();
     for (place, (&(course, index), (_, piece))) in plan.order.iter().zip(plan.pieces()).enumerate() {
+        let before = if place < cut_here { "" } else { "cut before, not by this program" };
+        let marks = [before, &piece.marks.words()]
+            .into_iter()
+            .filter(|words| !words.is_empty())
+            .collect::<Vec<_>>()
+            .join("; ");
         let (low, high) = piece.piece.u_range();
         let label = plan.courses[course].label;
         let ply = label.ply.map_or(String::new(), |ply| format!("{ply} | "));
@@ -300,7 +330,7 @@ fn manifest_part(plan: &TapePlan, input: &TapeInput) -> String {
             mm(piece.piece.area_mm2),
             mm(low + piece.offset_mm),
             mm(high + piece.offset_mm),
-            piece.marks.words()
+            marks
         ));
     }
     text
