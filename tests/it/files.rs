@@ -18,6 +18,7 @@ use proptest::prelude::*;
 use serde_json::{Value, json};
 
 use crate::rounds::runner;
+use crate::shared_tape;
 
 fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures").join(name)
@@ -221,15 +222,20 @@ fn unmarked(outcome: &Outcome) -> Vec<(&str, String)> {
 
 /// The cases that come with the task, where they are at hand.
 fn shared(name: &str) -> Option<(Value, PathBuf)> {
-    let folder = Path::new("/work/shared/data/tape");
-    let text = fs::read(folder.join(format!("{name}.job.json"))).ok()?;
-    Some((serde_json::from_slice(&text).unwrap(), folder.to_owned()))
+    let folder = shared_tape::folder()?;
+    let text = fs::read(folder.join(format!("{name}.job.json"))).unwrap();
+    Some((serde_json::from_slice(&text).unwrap(), folder))
 }
 
 #[test]
 fn the_texts_that_lie_beside_shared_jobs_give_the_plans_of_those_jobs() {
-    for name in ["a_flat_rect_0", "c_gt_lt_75", "e_flat_cutouts", "g_cylinder_R1000_45"] {
-        let Some((job, folder)) = shared(name) else { continue };
+    let Some(folder) = shared_tape::folder() else { return };
+    let names = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let names: Vec<String> =
+        names.filter_map(|file| file.strip_suffix(".boundary.txt").map(str::to_owned)).collect();
+    assert!(names.len() >= 6, "only {names:?} found");
+    for name in names {
+        let (job, folder) = shared(&name).unwrap();
         let mut from_files = job.clone();
         let input = &mut from_files["input"];
         input["boundary"] = json!({"file": format!("{name}.boundary.txt")});

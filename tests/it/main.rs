@@ -42,6 +42,7 @@ mod roll;
 mod rounds;
 mod section;
 mod served;
+mod shared_tape;
 mod shop_floor;
 mod shop_floor_runs;
 mod simplify;
