@@ -8,6 +8,7 @@ mod blade_offset;
 mod cli;
 mod colouring;
 mod craft;
+mod cut_side;
 mod docker;
 mod dry_runs;
 mod files;
