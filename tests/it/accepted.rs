@@ -1,6 +1,5 @@
 //! What is accepted and said: each oddity of an input with the exact code and place of its finding (docs/jobs.md).
 
-use bladeplan::planning::attempt::plan;
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document;
 use bladeplan::planning::document::files::Files;
@@ -8,6 +7,8 @@ use bladeplan::planning::outcome::{Outcome, Verdict};
 use bladeplan::planning::tape::machine::Catalogue;
 use rstest::rstest;
 use serde_json::{Value, json};
+
+use crate::linuxcnc::plan;
 
 /// A ply of one course, clockwise seen from its normals, without any oddity.
 fn ply() -> Value {

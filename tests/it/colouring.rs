@@ -3,7 +3,6 @@
 //!
 //! All places are whole mm, so that no tolerance of the planner has a say.
 
-use bladeplan::planning::attempt::plan;
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document;
 use bladeplan::planning::document::files::Files;
@@ -14,6 +13,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, TestCaseError, TestRunner};
 use serde_json::{Value, json};
 
+use crate::linuxcnc::plan;
 use crate::rounds::rounds;
 
 /// Half of the tape's width.

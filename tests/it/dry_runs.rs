@@ -1,7 +1,7 @@
 //! What is no unit of production: dry runs and the rest of a roll, over a real socket. And what waits for more than its
 //! turn.
 
-use bladeplan::planning::attempt::{check, plan};
+use bladeplan::planning::attempt::check;
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document;
 use bladeplan::planning::document::files::Files;
@@ -10,6 +10,7 @@ use bladeplan::planning::outcome::{ProgramFile, sha256_hex};
 use bladeplan::planning::tape::machine::Catalogue;
 use serde_json::{Value, json};
 
+use crate::linuxcnc::plan;
 use crate::served::{Served, form, id_of, job_with_a_file, small_job, until};
 use crate::shop_floor::{execute, profile};
 

@@ -4,7 +4,6 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use bladeplan::planning::attempt::plan;
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document;
 use bladeplan::planning::document::files::Files;
@@ -17,6 +16,7 @@ use bladeplan::planning::tolerance::CURVE_CHORD_MM;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
+use crate::linuxcnc::plan;
 use crate::rounds::runner;
 use crate::shared_tape;
 

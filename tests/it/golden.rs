@@ -6,7 +6,6 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use bladeplan::planning::attempt::plan;
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document;
 use bladeplan::planning::document::files::Files;
@@ -16,6 +15,8 @@ use bladeplan::planning::program::nc::read::read;
 use bladeplan::planning::tape::machine::Catalogue;
 use rstest::rstest;
 use serde_json::{Value, json};
+
+use crate::linuxcnc::plan;
 
 /// Every folder of golden cases, sorted.
 pub fn cases() -> Vec<PathBuf> {

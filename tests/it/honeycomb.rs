@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use bladeplan::planning::attempt::{check, plan, validate};
+use bladeplan::planning::attempt::{check, validate};
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document::{self, JobDocument, files::Files};
 use bladeplan::planning::finding::{Code, Finding, any_error};
@@ -20,6 +20,7 @@ use proptest::test_runner::TestRunner;
 use rstest::rstest;
 use serde_json::{Value, json};
 
+use crate::linuxcnc::plan;
 use crate::rounds::rounds;
 
 /// The example, which is Table 1 of Cui et al. 2020 with an arc of radius 85 on top.

@@ -159,6 +159,19 @@ fn every_room_keeps_the_rules() {
     assert_eq!(breaches(&sources), Vec::<String>::new());
 }
 
+/// Whoever plans otherwise has programs that LinuxCNC has not read.
+#[test]
+fn every_test_plans_through_the_comparison_with_linuxcnc() {
+    let root = home().join("tests/it");
+    let mut sources = Vec::new();
+    read(&root, &root, &mut sources);
+    let planning = sources
+        .iter()
+        .filter(|source| named_below(&source.text, "attempt").iter().any(|name| name == "plan"));
+    let files: Vec<&str> = planning.map(|source| source.path.as_str()).collect();
+    assert_eq!(files, ["linuxcnc/emitted.rs"]);
+}
+
 #[test]
 fn long_functions_are_clippys_to_refuse() {
     let read = |name| fs::read_to_string(home().join(name)).unwrap();

@@ -1,6 +1,5 @@
 //! Plies on a cylinder: what is refused and said there is known only course by course, after development.
 
-use bladeplan::planning::attempt::plan;
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document;
 use bladeplan::planning::document::files::Files;
@@ -9,6 +8,8 @@ use bladeplan::planning::outcome::{Outcome, Verdict};
 use bladeplan::planning::tape::machine::Catalogue;
 use rstest::rstest;
 use serde_json::{Value, json};
+
+use crate::linuxcnc::plan;
 
 const RADIUS: f64 = 1000.0;
 const WIDTH: f64 = 100.0;

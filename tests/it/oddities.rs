@@ -1,6 +1,6 @@
 //! What a person should look at before a ply is cut: each with its code, its words and its marks.
 
-use bladeplan::planning::attempt::{check, plan};
+use bladeplan::planning::attempt::check;
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document;
 use bladeplan::planning::document::files::Files;
@@ -8,6 +8,8 @@ use bladeplan::planning::finding::{Finding, Severity};
 use bladeplan::planning::outcome::{Outcome, ProgramFile, Verdict};
 use bladeplan::planning::tape::machine::Catalogue;
 use serde_json::{Value, json};
+
+use crate::linuxcnc::plan;
 
 fn planned(job: &Value) -> Outcome {
     let document = document::from_value(job.clone()).unwrap();

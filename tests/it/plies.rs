@@ -1,7 +1,7 @@
 //! Several plies on one roll: each is planned for itself, all are cut as one, and nothing of two courses with one number
 //! is ever taken for the other.
 
-use bladeplan::planning::attempt::{check, plan};
+use bladeplan::planning::attempt::check;
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document;
 use bladeplan::planning::document::files::Files;
@@ -12,6 +12,7 @@ use bladeplan::planning::tape::trace::{PlantedTrace, text};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
+use crate::linuxcnc::plan;
 use crate::profiles::job;
 use crate::random_plies::plies;
 use crate::rounds::runner;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bladeplan::planning::attempt::{check, plan};
+use bladeplan::planning::attempt::check;
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::catalogue::Profile;
 use bladeplan::planning::document;
@@ -11,6 +11,8 @@ use bladeplan::planning::finding::{Code, Finding};
 use bladeplan::planning::outcome::{Outcome, ProgramFile};
 use bladeplan::planning::tape::machine::Catalogue;
 use serde_json::{Value, json};
+
+use crate::linuxcnc::plan;
 
 /// `two-cutter-lab` as JSON.
 pub fn lab() -> Value {

@@ -1,6 +1,5 @@
 //! Random plies: whatever is planned passes its replay; whatever is refused is refused for want of knives.
 
-use bladeplan::planning::attempt::plan;
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document;
 use bladeplan::planning::document::files::Files;
@@ -12,6 +11,7 @@ use proptest::strategy::ValueTree;
 use proptest::test_runner::TestCaseError;
 use serde_json::{Value, json};
 
+use crate::linuxcnc::plan;
 use crate::rounds::runner;
 
 /// A star-shaped ply with a round cut-out somewhere, at a fibre angle, on a plane of its own in space.

@@ -1,6 +1,7 @@
 //! Restarts: from every label that says so, a program makes the rest of its cuts, wherever the machine stands.
 
 use crate::golden::{cases, outcome};
+use crate::linuxcnc::plan;
 use crate::mutation::meaning;
 
 /// Every program that the golden cases and the example give.
@@ -10,7 +11,7 @@ fn programs() -> Vec<String> {
     let catalogue = bladeplan::planning::tape::machine::Catalogue::built_in();
     let files = bladeplan::planning::document::files::Files::default();
     let budget = bladeplan::planning::budget::Budget::unwatched();
-    let ply = bladeplan::planning::attempt::plan(&job, &files, &catalogue, &budget).unwrap();
+    let ply = plan(&job, &files, &catalogue, &budget).unwrap();
     let golden = cases().into_iter().flat_map(|case| outcome(&case).programs);
     golden.chain(ply.programs).map(|program| program.text).collect()
 }

@@ -1,7 +1,6 @@
 //! The roll, judged from the report alone: no two pieces overlap, no knife is needed twice at one place, and nothing
 //! could be moved closer. None of the planner's geometry is used: pieces are looked at along lines of constant v.
 
-use bladeplan::planning::attempt::plan;
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document;
 use bladeplan::planning::document::files::Files;
@@ -11,6 +10,7 @@ use proptest::prelude::*;
 use rstest::rstest;
 use serde_json::{Value, json};
 
+use crate::linuxcnc::plan;
 use crate::profiles::lab_with;
 use crate::random_plies::plies;
 use crate::rounds::rounds;

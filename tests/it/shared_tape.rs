@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::io::{self, Write};
 use std::path::PathBuf;
 
 use bladeplan::planning::finding::Finding;
@@ -18,7 +19,9 @@ pub fn folder() -> Option<PathBuf> {
     if folder.is_dir() {
         return Some(folder);
     }
-    println!("NOT RUN: there is no {}", folder.display());
+    // Past the harness, which keeps to itself what a test that passes prints.
+    let said = format!("NOT RUN against notes: there is no {}\n", folder.display());
+    io::stderr().write_all(said.as_bytes()).unwrap();
     None
 }
 

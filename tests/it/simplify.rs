@@ -3,7 +3,6 @@
 
 use std::cell::Cell;
 
-use bladeplan::planning::attempt::plan;
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document;
 use bladeplan::planning::document::files::Files;
@@ -13,6 +12,7 @@ use bladeplan::planning::tape::machine::Catalogue;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
+use crate::linuxcnc::plan;
 use crate::rounds::runner;
 
 const WIDTH: f64 = 75.0;

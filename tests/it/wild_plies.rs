@@ -4,7 +4,6 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
-use bladeplan::planning::attempt::plan;
 use bladeplan::planning::budget::Budget;
 use bladeplan::planning::document;
 use bladeplan::planning::document::files::Files;
@@ -15,6 +14,7 @@ use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
 use serde_json::{Value, json};
 
+use crate::linuxcnc::plan;
 use crate::random_plies::check_replay;
 use crate::rounds::{rounds, runner};
 

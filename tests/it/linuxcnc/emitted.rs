@@ -1,12 +1,12 @@
-//! What we write is accepted by LinuxCNC's interpreter, and means there what our own reader finds in it.
+//! What we write is accepted by LinuxCNC's interpreter, and means there what our own reader finds in it: of random programs
+//! through the writer, and of everything that any test plans.
 
-use std::fs;
-use std::path::Path;
-
-use bladeplan::planning::attempt::plan;
+use bladeplan::planning::attempt;
 use bladeplan::planning::budget::Budget;
-use bladeplan::planning::document;
+use bladeplan::planning::document::JobDocument;
 use bladeplan::planning::document::files::Files;
+use bladeplan::planning::finding::Finding;
+use bladeplan::planning::outcome::{Outcome, ProgramFile};
 use bladeplan::planning::program::events::{Event, Positions};
 use bladeplan::planning::program::moves::{Pose, Step, TapeProgram};
 use bladeplan::planning::program::nc::emit::emit;
@@ -15,19 +15,39 @@ use bladeplan::planning::program::number::rounded;
 use bladeplan::planning::tape::label::CourseLabel;
 use bladeplan::planning::tape::machine::{Catalogue, Machine, check, two_cutter_lab};
 use proptest::prelude::*;
-use serde_json::json;
 
 use super::agreement::compare;
 use super::{fixture, interpret};
-use crate::blade_offset::offset;
-use crate::craft::overcutting;
-use crate::golden::{cases, outcome};
-use crate::profiles::{job, lab_with, plan_job};
-use crate::random_plies::{Ply, plies};
 use crate::rounds::runner;
 
 fn lab() -> Machine {
     check(&two_cutter_lab(), "").expect("it is without fault")
+}
+
+/// Plans as [`attempt::plan`] does. Every test that plans in this process plans so: what is planned for LinuxCNC means there
+/// what our reader finds in it, whatever else the test looks at.
+///
+/// # Errors
+/// The faults of the input.
+///
+/// # Panics
+/// If LinuxCNC refuses a program or makes something else of it.
+pub fn plan(
+    document: &JobDocument,
+    files: &Files,
+    catalogue: &Catalogue,
+    budget: &Budget<'_>,
+) -> Result<Outcome, Vec<Finding>> {
+    let outcome = attempt::plan(document, files, catalogue, budget)?;
+    all_agree(&outcome.programs).unwrap_or_else(|why| panic!("{why}"));
+    Ok(outcome)
+}
+
+fn all_agree(programs: &[ProgramFile]) -> Result<(), TestCaseError> {
+    programs
+        .iter()
+        .filter(|program| program.dialect == "linuxcnc")
+        .try_for_each(|program| agrees(&program.text))
 }
 
 /// Fails with the first difference and the text.
@@ -146,68 +166,16 @@ fn every_emitted_program_agrees_with_our_reader() {
 }
 
 #[test]
-fn every_golden_program_agrees_with_our_reader() {
-    let programs: Vec<_> = cases().iter().flat_map(|case| outcome(case).programs).collect();
-    assert!(programs.len() >= 5, "only {} golden programs found", programs.len());
-    for program in programs {
-        agrees(&program.text).unwrap();
-    }
-}
-
-#[test]
-fn every_planned_ply_agrees_with_our_reader() {
-    let agree = |ply: Ply| ply.plan().programs.iter().try_for_each(|program| agrees(&program.text));
-    runner(50).run(&plies(), agree).unwrap();
-}
-
-/// Overcuts, blade offsets, a spool's degrees, a program from a course on and a dry run.
-#[test]
-fn every_way_to_cut_the_example_agrees_with_our_reader() {
-    let example = job("examples/wing-skin-trapezoid-45.job.json");
-    let spool = json!({"core_radius_mm": 50, "roll_radius_mm": 150, "layer_thickness_mm": 0.4});
-    let spooled = lab_with(&[("/feed/drive", json!("unwind_angle")), ("/feed/spool", spool)]);
-    let parked =
-        lab_with(&[("/cutters/0/lateral/park_mm", json!(60)), ("/cutters/1/lateral/park_mm", json!(-60))]);
-    for (machine, options) in [
-        (overcutting(1.5), json!(null)),
-        (spooled, json!(null)),
-        (lab_with(&[]), json!({"dry_run": true})),
-        (overcutting(1.5), json!({"from_course": 1})),
-        (offset(1.0), json!(null)),
-        (offset(-2.0), json!({"allocation": "free"})),
-        (parked, json!(null)),
-    ] {
-        let planned = plan_job(&example, &machine, &options).unwrap();
-        agrees(&planned.programs[0].text).unwrap();
-    }
-}
-
-#[test]
-fn the_example_agrees_with_our_reader() {
-    let home = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let job = fs::read(home.join("examples/wing-skin-trapezoid-45.job.json")).unwrap();
-    let planned =
-        plan(&document::read(&job).unwrap(), &Files::default(), &Catalogue::built_in(), &Budget::unwatched())
-            .unwrap();
-    agrees(&planned.programs[0].text).unwrap();
-}
-
-#[test]
-fn every_roll_of_two_plies_agrees_with_our_reader() {
-    let agree = |(one, other): (Ply, Ply)| {
-        let planned =
-            plan_job(&one.job_with(&other), &json!("two-cutter-lab"), &json!({"allocation": "free"}));
-        planned.unwrap().programs.iter().try_for_each(|program| agrees(&program.text))
-    };
-    runner(10).run(&(plies(), plies()), agree).unwrap();
-    let example = job("examples/two-plies.job.json");
-    for options in [json!(null), json!({"allocation": "free", "from_ply": 2, "from_course": 3})] {
-        let planned = plan_job(&example, &json!("two-cutter-lab"), &options).unwrap();
-        agrees(&planned.programs[0].text).unwrap();
-    }
-}
-
-#[test]
 fn a_program_written_by_hand_agrees_with_our_reader() {
     agrees(&fixture("course")).unwrap();
+}
+
+#[test]
+fn a_planned_program_on_which_both_do_not_agree_fails_its_test() {
+    let program =
+        |dialect, text: &str| [ProgramFile { name: "p".to_owned(), dialect, text: text.to_owned() }];
+    let (whole, foreign) = (fixture("course"), fixture("foreign"));
+    assert!(all_agree(&program("linuxcnc", &whole)).is_ok());
+    assert!(all_agree(&program("linuxcnc", &foreign)).is_err());
+    assert!(all_agree(&program("sinumerik", &foreign)).is_ok(), "that is another language");
 }

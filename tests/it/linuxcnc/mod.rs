@@ -15,6 +15,7 @@ use bladeplan::planning::program::events::Positions;
 use rstest::rstest;
 use serde::Deserialize;
 
+pub use emitted::plan;
 pub use interpreter::interpret;
 
 /// A call that the interpreter makes to the control, and the line (from 1) that it stands for.
