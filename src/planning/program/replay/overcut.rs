@@ -19,10 +19,7 @@ pub(super) fn is_overcut(
 ) -> bool {
     let straight_mm = far_mm(from, to);
     let ends = [stroke.points.first(), stroke.points.last()];
-    let is_end = |at: [f64; 2]| ends.into_iter().flatten().any(|end| far_mm(*end, at) <= STRAIGHT_MM);
     setup.overcut_mm > 0.0
-        // It goes on from something: a whole stroke that nobody wants is no overcut of a cut.
-        && !(is_end(from) && is_end(to))
         && length_mm <= straight_mm + STRAIGHT_MM
         && ends.into_iter().flatten().any(|end| {
             // On the last straight way to the end: it may pass by a corner of another cut in between.
@@ -34,6 +31,8 @@ pub(super) fn is_overcut(
             let at = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
             !setup.pieces.iter().any(|piece| enters(piece, at, within_mm))
         })
+        // It goes on from something: a whole stroke that nobody wants is no overcut of a cut.
+        && length_mm < stroke.length_mm() - STRAIGHT_MM
 }
 
 fn far_mm(one: [f64; 2], other: [f64; 2]) -> f64 {

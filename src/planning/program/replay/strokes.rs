@@ -26,6 +26,11 @@ impl Stroke {
         self.lines.push(line);
     }
 
+    /// How far it goes, in mm.
+    pub(super) fn length_mm(&self) -> f64 {
+        self.points.windows(2).map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1])).sum()
+    }
+
     /// Whether it has cut anything.
     pub(super) fn is_empty(&self) -> bool {
         self.lines.is_empty()

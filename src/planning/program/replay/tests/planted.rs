@@ -65,6 +65,9 @@ fn a_stroke_that_goes_on_from_nothing_is_no_overcut() {
     let longer = vec![[100.0, -34.0], [100.0, 34.0]];
     let (with, findings) = compared_with(5.0, &wanted, std::slice::from_ref(&longer));
     assert_eq!((findings, with.overcut_mm.round()), (vec![], 8.0));
+    // Next to nothing is one too.
+    let hardly = vec![[100.0, -30.0115], [100.0, 30.0]];
+    assert_eq!(compared_with(5.0, &wanted, &[hardly]).1, []);
     let stray = vec![[200.0, 0.0], [204.0, 0.0]];
     let (with, findings) = compared_with(5.0, &wanted, &[longer, stray]);
     assert_eq!((codes(&findings), with.unwanted_mm), (vec![Code::Unwanted], 4.0));
