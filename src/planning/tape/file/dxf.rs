@@ -4,12 +4,13 @@
 //! they do not know is gone without a word, and some of them end with a panic on a damaged file; here each pair of lines
 //! is looked at, and what is not understood is named by type, layer, handle and line.
 //!
-//! `pair` (lines in pairs, records) -> `content` (sections, blocks, entities) -> `fields`, `curve`, `spline` (an
-//! entity as points) -> `join` (closed loops).
+//! `pair` (lines in pairs, records) -> `content` (sections, blocks, entities) -> `insert` (blocks where they are inserted) ->
+//! `fields`, `curve`, `spline` (an entity as points) -> `join` (closed loops).
 
 mod content;
 mod curve;
 mod fields;
+mod insert;
 mod join;
 mod pair;
 mod spline;
@@ -18,6 +19,7 @@ use std::collections::BTreeMap;
 
 use self::content::{Content, Entity, layer_key, layer_of, value};
 use self::curve::{Curve, Room, UNDERSTOOD, curve_of, described};
+use self::insert::{Placed, placed};
 use super::faults::{Fault, Faults};
 use super::text::ReadLoop;
 use crate::planning::document::shape::{MOST_FAULTS, quoted};
@@ -159,14 +161,14 @@ impl Sorted {
         faults: &mut Faults<'_>,
     ) -> Self {
         let (mut lists, mut left, mut room) = ([Vec::new(), Vec::new()], LeftOut::default(), Room::default());
-        for entity in &content.entities {
-            let Some(list) = part_of(entity, layers, content, &mut left, faults) else { continue };
-            match curve_of(entity, scale, &mut room) {
+        for placed in placed(content, scale, |insert| draws_on(insert, layers, content), faults) {
+            let Some(list) = part_of(&placed, layers, &mut left, faults) else { continue };
+            match curve_of(&placed, &mut room) {
                 Some(Ok(curve)) => lists[list].push(curve),
                 Some(Err(fault)) => faults.push(fault),
-                None => faults.push(not_understood(entity)),
+                None => faults.push(not_understood(&placed)),
             }
-            left.note_thickness(entity);
+            left.note_thickness(placed.entity);
         }
         refuse_heights(lists.iter().flatten(), faults);
         findings.extend(left.findings(name, layers));
@@ -215,21 +217,16 @@ const ANNOTATIONS: [&str; 4] = ["TEXT", "MTEXT", "ATTDEF", "POINT"];
 
 /// The list that an entity belongs to; `None` if it is left out, which is noted, or cannot be used, which is a fault.
 fn part_of<'a>(
-    entity: &'a Entity<'a>,
+    placed: &Placed<'a>,
     layers: &Chosen,
-    content: &Content<'_>,
     left: &mut LeftOut<'a>,
     faults: &mut Faults<'_>,
 ) -> Option<usize> {
-    let (record, layer) = (&entity.record, layer_of(&entity.record));
+    let (record, layer) = (&placed.entity.record, placed.layer);
     let on_paper = value(record, 67).is_some_and(|flag| flag == "1");
     let list = layers.list(layer);
-    if record.kind == "INSERT" && !on_paper && draws_on(entity, layers, content) {
-        faults.push(not_understood(entity));
-        return None;
-    }
     if list.is_none() || on_paper || ANNOTATIONS.contains(&record.kind) {
-        left.note(entity, on_paper);
+        left.note(placed, on_paper);
         return None;
     }
     if value(record, 60).is_some_and(|flag| flag == "1") {
@@ -244,24 +241,18 @@ fn part_of<'a>(
 /// Whether an insert may draw on a layer that is read: by its own layer, or by those within its block.
 fn draws_on(entity: &Entity<'_>, layers: &Chosen, content: &Content<'_>) -> bool {
     let name = value(&entity.record, 2).unwrap_or_default().to_uppercase();
+    let may =
+        |part: &Entity<'_>| part.record.kind == "INSERT" || layers.list(layer_of(&part.record)).is_some();
     layers.list(layer_of(&entity.record)).is_some()
-        || content
-            .blocks
-            .get(&name)
-            .is_none_or(|block| block.nested || block.layers.iter().any(|layer| layers.list(layer).is_some()))
+        || content.blocks.get(&name).is_none_or(|block| block.entities.iter().any(may))
 }
 
-fn not_understood(entity: &Entity<'_>) -> Fault {
-    let (record, layer) = (&entity.record, quoted(layer_of(&entity.record)));
-    let message = if record.kind == "INSERT" {
-        let block = quoted(value(record, 2).unwrap_or_default());
-        format!(
-            "{} of block {block} on layer {layer} is not understood; explode the block",
-            described(record)
-        )
-    } else {
-        format!("{} on layer {layer} is not understood; outlines are made of {UNDERSTOOD}", described(record))
-    };
+fn not_understood(placed: &Placed<'_>) -> Fault {
+    let (record, layer) = (&placed.entity.record, quoted(placed.layer));
+    let message = format!(
+        "{} on layer {layer} is not understood; outlines are made of {UNDERSTOOD}",
+        described(record)
+    );
     Fault::new(Code::NotSupported, record.line, message)
 }
 
@@ -318,12 +309,10 @@ struct LeftOut<'a> {
 }
 
 impl<'a> LeftOut<'a> {
-    fn note(&mut self, entity: &'a Entity<'a>, on_paper: bool) {
-        let (line, kind) = (entity.record.line, entity.record.kind);
-        let (_, kinds) = self
-            .layers
-            .entry((layer_of(&entity.record), on_paper))
-            .or_insert_with(|| (line, BTreeMap::new()));
+    fn note(&mut self, placed: &Placed<'a>, on_paper: bool) {
+        let (line, kind) = (placed.entity.record.line, placed.entity.record.kind);
+        let (_, kinds) =
+            self.layers.entry((placed.layer, on_paper)).or_insert_with(|| (line, BTreeMap::new()));
         *kinds.entry(kind).or_default() += 1;
     }
 

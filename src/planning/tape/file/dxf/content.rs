@@ -1,6 +1,6 @@
-//! What of a DXF file matters here: its unit, the layers that its blocks draw on, and its entities.
+//! What of a DXF file matters here: its unit, its blocks and its entities.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use super::super::faults::{Fault, Faults};
 use super::pair::{Pair, Record, Records};
@@ -18,11 +18,11 @@ pub struct Entity<'a> {
 
 /// What a block draws.
 #[derive(Debug, Default)]
-pub struct Block {
-    /// The layers that it draws on, as [`layer_key`]s.
-    pub layers: BTreeSet<String>,
-    /// Whether it inserts other blocks.
-    pub nested: bool,
+pub struct Block<'a> {
+    /// Its beginning, with the point that an insert puts to its place.
+    pub record: Option<Record<'a>>,
+    /// In the order of the file.
+    pub entities: Vec<Entity<'a>>,
 }
 
 /// What of a DXF file matters here.
@@ -31,7 +31,7 @@ pub struct Content<'a> {
     /// The value of `$INSUNITS`.
     pub units: Option<Pair<'a>>,
     /// By the name of the block, in capitals.
-    pub blocks: BTreeMap<String, Block>,
+    pub blocks: BTreeMap<String, Block<'a>>,
     /// In the order of the file.
     pub entities: Vec<Entity<'a>>,
 }
@@ -107,10 +107,7 @@ impl<'a> Walk<'a> {
             "ENDSEC" | "EOF" => self.end(&record),
             _ => match self.section {
                 Some("ENTITIES") => self.take_entity(record),
-                Some("BLOCKS") => {
-                    self.take_block(&record);
-                    Ok(())
-                }
+                Some("BLOCKS") => self.take_block(record),
                 Some(_) => Ok(()),
                 None => {
                     let message = format!("{} stands outside every section", quoted(record.kind));
@@ -165,33 +162,46 @@ impl<'a> Walk<'a> {
                     open.parts.push(record);
                 }
             }
-            "SEQEND" => self.content.entities.extend(self.open.take()),
+            "SEQEND" => {
+                let ended = self.open.take();
+                self.list().extend(ended);
+            }
             _ => {
                 self.refuse_open()?;
                 let has_parts = record.kind == "POLYLINE"
                     || record.kind == "INSERT" && value(&record, 66).is_some_and(|flag| flag != "0");
                 let entity = Entity { record, parts: Vec::new() };
-                if has_parts { self.open = Some(entity) } else { self.content.entities.push(entity) }
+                if has_parts { self.open = Some(entity) } else { self.list().push(entity) }
             }
         }
         Ok(())
     }
 
-    fn take_block(&mut self, record: &Record<'a>) {
+    /// Where the next entity belongs: to the block that is being read, else to the drawing.
+    fn list(&mut self) -> &mut Vec<Entity<'a>> {
+        match self.block.as_ref().and_then(|name| self.content.blocks.get_mut(name)) {
+            Some(block) => &mut block.entities,
+            None => &mut self.content.entities,
+        }
+    }
+
+    fn take_block(&mut self, record: Record<'a>) -> Result<(), Fault> {
         match record.kind {
             "BLOCK" => {
-                let name = value(record, 2).unwrap_or_default().to_uppercase();
-                self.content.blocks.entry(name.clone()).or_default();
+                self.refuse_open()?;
+                let name = value(&record, 2).unwrap_or_default().to_uppercase();
+                let block = Block { record: Some(record), entities: Vec::new() };
+                self.content.blocks.insert(name.clone(), block);
                 self.block = Some(name);
+                Ok(())
             }
-            "ENDBLK" => self.block = None,
-            _ => {
-                let block = self.block.as_ref().and_then(|name| self.content.blocks.get_mut(name));
-                if let Some(block) = block {
-                    block.nested |= record.kind == "INSERT";
-                    block.layers.insert(layer_key(layer_of(record)));
-                }
+            "ENDBLK" => {
+                self.refuse_open()?;
+                self.block = None;
+                Ok(())
             }
+            _ if self.block.is_some() => self.take_entity(record),
+            _ => Ok(()),
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Entities as curves of points: what is round is flattened to [`CURVE_CHORD_MM`].
 
-use super::content::{Entity, value};
+use super::content::value;
 use super::fields::Fields;
+use super::insert::{Placed, Placing};
 use super::pair::Record;
 use super::spline;
 use crate::planning::finding::Code;
@@ -42,6 +43,7 @@ impl Default for Room {
 /// A curve as it grows.
 pub(super) struct Pen<'a> {
     room: &'a mut Room,
+    placing: &'a Placing,
     points: Vec<Point3>,
     lines: Vec<u32>,
 }
@@ -52,6 +54,7 @@ impl Pen<'_> {
     /// # Errors
     /// `OutOfRange` for a point farther away than any mould, or one more than a file may have.
     pub(super) fn to(&mut self, point: Point3, line: u32) -> Result<(), Fault> {
+        let point = self.placing.place(&point);
         // A coordinate that is no number is not within the limits either.
         if !point.iter().all(|x| x.abs() <= LARGEST_MM) {
             let message = format!(
@@ -71,13 +74,14 @@ impl Pen<'_> {
     }
 }
 
-/// The curve of an entity; `None` where the kind of entity is not understood. `scale` is mm per unit of the drawing.
+/// The curve of an entity in its place; `None` where the kind of entity is not understood.
 ///
 /// # Errors
 /// The first thing that is wrong with it.
-pub fn curve_of(entity: &Entity<'_>, scale: f64, room: &mut Room) -> Option<Result<Curve, Fault>> {
-    let fields = Fields::of(&entity.record, scale);
-    let mut pen = Pen { room, points: Vec::new(), lines: Vec::new() };
+pub fn curve_of(placed: &Placed<'_>, room: &mut Room) -> Option<Result<Curve, Fault>> {
+    let (entity, placing) = (placed.entity, &placed.placing);
+    let fields = Fields::of(&entity.record, placing.scale);
+    let mut pen = Pen { room, placing, points: Vec::new(), lines: Vec::new() };
     let drawn = match entity.record.kind {
         "LINE" => line(&fields, &mut pen),
         "ARC" => arc(&fields, &mut pen),

@@ -166,9 +166,111 @@ proptest! {
     fn any_pairs_are_read_or_refused(pairs in prop::collection::vec(any_pair(), 0..60)) {
         let text = drawing(&pairs.concat());
         check_places(text.as_bytes())?;
+        let half = pairs.len() / 2;
+        let block = format!("0 BLOCK;2 1;10 0;20 0;{}0 ENDBLK;", pairs[..half].concat());
+        check_places(with_blocks(&block, &pairs[half..].concat()).as_bytes())?;
         // Cut off anywhere, too.
         check_places(&text.as_bytes()[..text.len() * 2 / 3])?;
     }
+}
+
+/// A drawing in mm from its blocks and its entities.
+fn with_blocks(blocks: &str, entities: &str) -> String {
+    let before = drawing(entities);
+    let section = drawing(blocks).replace("2\nENTITIES\n", "2\nBLOCKS\n");
+    let (_, section) = section.split_once("0\nENDSEC\n").unwrap();
+    let (header, entities) = before.split_once("0\nENDSEC\n").unwrap();
+    format!("{header}0\nENDSEC\n{}{entities}", section.strip_suffix("0\nEOF\n").unwrap())
+}
+
+/// An L, which is no mirror image of itself, on layer 0 of a block whose base lies at (1, 2).
+const L_BLOCK: &str = "0 BLOCK;2 Piece;10 1;20 2;\
+    0 LWPOLYLINE;8 0;70 1;10 1;20 2;10 5;20 2;10 5;20 3;10 2;20 3;10 2;20 9;10 1;20 9;0 TEXT;8 1;1 name;0 ENDBLK;";
+
+#[test]
+fn a_block_is_drawn_where_it_is_inserted() {
+    let corners = [[0.0, 0.0], [4.0, 0.0], [4.0, 1.0], [1.0, 1.0], [1.0, 7.0], [0.0, 7.0]];
+    type Place = fn([f64; 2]) -> [f64; 2];
+    let cases: [(&str, Place); 6] = [
+        ("10 100;20 50;", |[x, y]| [100.0 + x, 50.0 + y]),
+        ("10 100;20 50;50 90;", |[x, y]| [100.0 - y, 50.0 + x]),
+        ("10 100;20 50;41 2;42 2;50 90;", |[x, y]| [100.0 - 2.0 * y, 50.0 + 2.0 * x]),
+        ("10 100;20 50;41 -3;42 3;", |[x, y]| [100.0 - 3.0 * x, 50.0 + 3.0 * y]),
+        ("10 100;20 50;41 -1;42 1;50 90;", |[x, y]| [100.0 - y, 50.0 - x]),
+        // Drawn from below: the plane is turned about y.
+        ("10 100;20 50;210 0;220 0;230 -1;", |[x, y]| [-100.0 - x, 50.0 + y]),
+    ];
+    for (insert, place) in cases {
+        let text = with_blocks(L_BLOCK, &format!("0 INSERT;8 1;2 PIECE;{insert}"));
+        let (loops, findings) = read("p.dxf", text.as_bytes(), None, Wanted::Ply).unwrap();
+        for (point, corner) in loops[0].points.iter().zip(corners) {
+            let wanted = place(corner);
+            assert!(
+                (point[0] - wanted[0]).hypot(point[1] - wanted[1]) < 1e-9,
+                "{insert}: {point:?} {wanted:?}"
+            );
+        }
+        // The text within the block is left out, and that is said.
+        assert_eq!(findings.iter().map(|finding| finding.code).collect::<Vec<_>>(), [Code::LeftOut]);
+    }
+}
+
+#[test]
+fn what_a_block_draws_keeps_its_own_layer_and_is_round_in_its_size() {
+    let blocks = "0 BLOCK;2 ROUND;10 0;20 0;0 CIRCLE;8 11;10 0;20 0;40 1;0 ENDBLK;\
+        0 BLOCK;2 PLY;10 0;20 0;0 CIRCLE;8 1;10 0;20 0;40 50;0 INSERT;8 7;2 round;10 10;20 0;41 5;42 5;0 ENDBLK;";
+    let (loops, _) = read(
+        "p.dxf",
+        with_blocks(blocks, "0 INSERT;8 3;2 PLY;10 0;20 1000;41 2;42 2;").as_bytes(),
+        None,
+        Wanted::Ply,
+    )
+    .unwrap();
+    assert_eq!(loops.len(), 2);
+    for (read, [x, radius]) in loops.iter().zip([[0.0, 100.0], [20.0, 10.0]]) {
+        let off = |[px, py]: [f64; 2]| ((px - x).hypot(py - 1000.0) - radius).abs();
+        assert!(worst(&read.points, off) <= CURVE_CHORD_MM * 1.001);
+    }
+}
+
+#[test]
+fn inserts_that_cannot_be_followed_are_named() {
+    let refused = |blocks: &str, entities: &str| {
+        let faults = read("p.dxf", with_blocks(blocks, entities).as_bytes(), None, Wanted::Ply).unwrap_err();
+        faults[0].to_string()
+    };
+    let at = "8 1;2 PIECE;10 0;20 0;";
+    for (insert, says) in [
+        (format!("0 INSERT;{at}41 2;42 1;"), "by 2 along x and 1 along y; explode the block"),
+        (format!("0 INSERT;{at}70 2;"), "in rows or columns"),
+        (format!("0 INSERT;{at}60 1;"), "invisible"),
+        (format!("0 INSERT;{at}210 1;220 0;230 0;"), "leans"),
+        ("0 INSERT;8 1;2 other;10 0;20 0;".to_owned(), "there is no block \"other\" in the file"),
+    ] {
+        let fault = refused(L_BLOCK, &insert);
+        assert!(fault.contains(says), "{fault}");
+    }
+    // A block within itself, and blocks within blocks that ask for more than any drawing has.
+    let itself =
+        refused("0 BLOCK;2 A;10 0;20 0;0 INSERT;8 1;2 A;10 0;20 0;0 ENDBLK;", "0 INSERT;8 1;2 A;10 0;20 0;");
+    assert!(itself.contains("deeper than 16"), "{itself}");
+    let ten = |of: &str| format!("0 INSERT;8 1;2 {of};10 0;20 0;").repeat(10);
+    let levels = (1..9)
+        .map(|level| format!("0 BLOCK;2 B{level};10 0;20 0;{}0 ENDBLK;", ten(&format!("B{}", level - 1))));
+    let blocks = format!(
+        "0 BLOCK;2 B0;10 0;20 0;{}0 ENDBLK;{}",
+        line([0.0, 0.0], [1.0, 0.0]),
+        levels.collect::<String>()
+    );
+    let many = refused(&blocks, "0 INSERT;8 1;2 B8;10 0;20 0;");
+    assert!(many.contains("more than 1000000 entities"), "{many}");
+    // An insert that draws nothing of what is read stands where it is.
+    let title = with_blocks(
+        "0 BLOCK;2 TITLE;10 0;20 0;0 LINE;8 9;10 0;20 0;11 1;21 1;0 ENDBLK;",
+        &format!("0 CIRCLE;8 1;10 0;20 0;40 5;0 INSERT;8 9;2 TITLE;10 0;20 0;41 2;42 1;"),
+    );
+    let (_, findings) = read("p.dxf", title.as_bytes(), None, Wanted::Ply).unwrap();
+    assert!(findings[0].message.contains("1 INSERT on layer \"9\" left out"), "{findings:?}");
 }
 
 fn any_pair() -> impl Strategy<Value = String> {
