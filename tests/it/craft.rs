@@ -286,6 +286,13 @@ fn the_sheet_of_a_part_of_a_roll_and_of_a_dry_run_says_so_first() {
         part.contains("| pieces cut by this program | 5 |") && part.contains("| first piece cut | course 5")
     );
     assert!(!part.contains("## Zero positions at the start"));
+    // The cassette is listed as a whole; 5 of its pieces are cut here.
+    let numbered =
+        |line: &&str| line.split('|').nth(1).is_some_and(|cell| cell.trim().parse::<u32>().is_ok());
+    let rows = || part.split("## Cassette").nth(1).unwrap().lines().filter(numbered);
+    let before = rows().filter(|row| row.contains("cut before, not by this program")).count();
+    assert_eq!(rows().count() - before, 5, "{part}");
+    assert!(before > 0 && !whole.contains("cut before"));
     let fed = |sheet: &str| -> f64 {
         let row = sheet.lines().find(|line| line.starts_with("| tape fed by this program")).unwrap();
         row.split('|').nth(2).unwrap().trim().trim_end_matches(" mm").parse().unwrap()

@@ -328,6 +328,7 @@ fn what_is_left_to_be_trimmed_stands_on_the_set_up_sheet() {
         (simplified["max_deviation_mm"].as_f64().unwrap(), simplified["extra_area_mm2"].as_f64().unwrap());
     assert!(deviation > 1.0, "{simplified}");
     let sheet = attachment(&outcome, "setup.md");
+    assert!(sheet.contains("## Warnings") && sheet.contains("it was changed on the scrap side"), "{sheet}");
     let row = sheet.split("To be trimmed by hand").nth(1).unwrap().lines().last().unwrap();
     let cells: Vec<&str> = row.split('|').map(str::trim).collect();
     assert_eq!(cells[1..3], ["1", "1"]);

@@ -313,7 +313,7 @@ fn manifest_part(plan: &TapePlan, input: &TapeInput) -> String {
     let cut_here = cut_here(plan, input).len();
     for (place, (&(course, index), (_, piece))) in plan.order.iter().zip(plan.pieces()).enumerate() {
         let before = if place < cut_here { "" } else { "cut before, not by this program" };
-        let marks = [before, &piece.marks.words()]
+        let marks = [before, piece.marks.words()]
             .into_iter()
             .filter(|words| !words.is_empty())
             .collect::<Vec<_>>()

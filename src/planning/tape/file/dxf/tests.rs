@@ -267,7 +267,7 @@ fn inserts_that_cannot_be_followed_are_named() {
     // An insert that draws nothing of what is read stands where it is.
     let title = with_blocks(
         "0 BLOCK;2 TITLE;10 0;20 0;0 LINE;8 9;10 0;20 0;11 1;21 1;0 ENDBLK;",
-        &format!("0 CIRCLE;8 1;10 0;20 0;40 5;0 INSERT;8 9;2 TITLE;10 0;20 0;41 2;42 1;"),
+        "0 CIRCLE;8 1;10 0;20 0;40 5;0 INSERT;8 9;2 TITLE;10 0;20 0;41 2;42 1;",
     );
     let (_, findings) = read("p.dxf", title.as_bytes(), None, Wanted::Ply).unwrap();
     assert!(findings[0].message.contains("1 INSERT on layer \"9\" left out"), "{findings:?}");
