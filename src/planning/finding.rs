@@ -114,11 +114,9 @@ codes! {
     BadCourse,
     /// An outline leaves the mould within the tape of a course.
     OffMould,
-    /// A course that bends the tape within its own plane by more than tape bears (planned all the same).
-    Steered,
     /// The points of a course are too far apart for the smooth course between them (planned all the same).
     CoarseCourse,
-    /// A piece that goes on beyond the end of its course by more than a width (planned all the same).
+    /// A piece that goes on beyond the end of its course by more than half its length or a width (planned all the same).
     CourseContinued,
     // -- The contour of a core.
     /// A contour that does not go from one side of the blank to the other.

@@ -6,10 +6,6 @@
 /// reversal could not be cut even if it were wanted.
 pub const U_REVERSAL_MM: f64 = 0.01;
 
-/// A tape is steered where its edges would have to be longer and shorter than its middle by this share: half a percent is some
-/// five times what carbon tape bears without wrinkles, and far more than the rounding of printed points looks like.
-pub const STEERED_STRAIN: f64 = 0.005;
-
 /// A ply edge that lies this close to the tape's own edge, in mm, *is* the tape's edge and needs no cut.
 ///
 /// A tenth of the positioning of the knives; it absorbs the rounding of coordinates printed with three or
@@ -44,9 +40,10 @@ pub const REPLAY_SLACK_MM: f64 = 0.001;
 
 /// How far a mould point may leave the common plane, in mm, before a ply is no longer flat.
 ///
-/// A tilted plane whose points are printed with two decimals leaves it by up to 0.0087. Seen along the plane's normal
-/// nothing moves by that, and a step of 1 mm is shortened by 0.00005.
-pub const FLAT_MM: f64 = 0.01;
+/// Of a tilted plane whose points are printed with two decimals, one may lie off it by up to 0.0087 and the one that it is
+/// measured from by as much the other way. Seen along the plane's normal nothing moves by that, and a step of 1 mm is
+/// shortened by 0.0002.
+pub const FLAT_MM: f64 = 0.02;
 
 /// Curves of a drawing are flattened so that no chord leaves its curve by more than this, in mm.
 ///
@@ -91,6 +88,12 @@ pub const LONG_CLOSING_STEP: f64 = 20.0;
 ///
 /// Half of the degree within which a replay wants the blade along the cut (domain.md A9).
 pub const BLADE_BLEND_DEG: f64 = 0.5;
+
+/// Turns of a blade no farther apart than this, in mm, are one corner; a cut longer than this has its blade along it.
+///
+/// Printed digits turn a cut of this length by 0.3 degrees at most; together with what a plan may leave to
+/// turn along a cut that stays within [`BLADE_ALONG_CUT_DEG`].
+pub const CORNER_MM: f64 = 0.03;
 
 /// Largest angle, in degrees, between a blade and its cut that a replay accepts (domain.md A9).
 pub const BLADE_ALONG_CUT_DEG: f64 = 1.0;

@@ -110,19 +110,50 @@ fn a_cut_out_in_a_cut_out_is_refused() {
 
 /// Where nothing is known of the mould no piece can be made, and none may be missing without a word.
 #[rstest]
-#[case::at_both_ends([1000.0, 2000.0], Code::OffMould, "ends more than 200 mm before the outline")]
-#[case::at_one_end([0.0, 2000.0], Code::OutlineCrosses, "the course ends farther before the outline")]
+#[case::at_both_ends([1000.0, 2000.0], "it begins and ends within the ply, more than 200 mm before the outline", "")]
+#[case::at_its_end([0.0, 2000.0], "it ends within the ply", "/points/40")]
+#[case::at_its_start([800.0, 3000.0], "it begins within the ply", "/points/0")]
 fn a_course_that_ends_far_inside_the_ply_is_refused(
     #[case] x: [f64; 2],
-    #[case] code: Code,
     #[case] says: &str,
+    #[case] at: &str,
 ) {
     let mut ply = ply();
     ply["tracks"][1] = track(2, 150.0, x, 41);
     let outcome = planned(job(&ply));
     assert_eq!(outcome.verdict, Verdict::NotUsable);
-    let fault = found(&outcome, code);
+    let fault = found(&outcome, Code::OffMould);
     assert!(fault.message.contains(says) && fault.message.contains("course 2"), "{fault:?}");
+    assert_eq!(fault.at, format!("/input/tracks/1{at}"));
+    // A cut-out within its tape is not what is wrong.
+    ply["holes"] = json!([outline(&[(1400.0, 130.0), (1500.0, 130.0), (1500.0, 170.0), (1400.0, 170.0)])]);
+    assert!(found(&planned(job(&ply)), Code::OffMould).message.contains(says));
+}
+
+/// On the other side of a tube there is no ply, though it lies behind.
+#[test]
+fn a_course_on_the_other_side_of_a_tube_is_left_out() {
+    let tube = |x: f64, arc: f64| {
+        let (sin, cos) = (arc / 200.0).sin_cos();
+        ([x, 200.0 * sin, 200.0 * cos], [0.0, sin, cos])
+    };
+    let track = |number: u32, arc: f64| {
+        let at = |step: u32| {
+            let (position, normal) = tube(f64::from(step) * 50.0, arc);
+            json!({"position": position, "normal": normal})
+        };
+        json!({"number": number, "points": (0..=60).map(at).collect::<Vec<_>>()})
+    };
+    let arcs = (0..500).map(|step| f64::from(step) - 250.0);
+    let ends = arcs.clone().map(|arc| tube(0.0, arc).0).chain(arcs.rev().map(|arc| tube(3000.0, arc).0));
+    let tracks: Vec<_> = [-200.0, -100.0, 0.0, 100.0, 200.0, 400.0]
+        .into_iter()
+        .zip(1..)
+        .map(|(arc, n)| track(n, arc))
+        .collect();
+    let outcome = planned(job(&json!({"boundary": {"points": ends.collect::<Vec<_>>()}, "tracks": tracks})));
+    assert_eq!(outcome.verdict, Verdict::Usable, "{:?}", outcome.findings);
+    assert_eq!(found(&outcome, Code::CourseOffPly).at, "/input/tracks/5");
 }
 
 #[test]

@@ -156,3 +156,38 @@ fn the_operator_may_stop_before_each_course_in_both_dialects() {
         assert_eq!(stops(&machine).0, 0);
     }
 }
+
+/// Corners next to each other are one: the knife comes up where together they turn by more than it may in the tape.
+#[test]
+fn corners_next_to_each_other_are_one() {
+    let corner = |steps: &[(f64, f64)], tolerance: f64, lift_deg: f64| {
+        let (mut at, mut points) = ([400.0, 0.0], vec![json!([400.0, -37.5, 0.0]), json!([400.0, 0.0, 0.0])]);
+        for (turn, length) in steps {
+            let (sin, cos) = f64::to_radians(*turn).sin_cos();
+            at = [at[0] + length * sin, at[1] + length * cos];
+            points.push(json!([at[0], at[1], 0.0]));
+        }
+        let (sin, cos) = f64::to_radians(steps[steps.len() - 1].0).sin_cos();
+        points.push(json!([at[0] + (37.5 - at[1]) * sin / cos, 37.5, 0.0]));
+        points.extend([json!([0.0, 37.5, 0.0]), json!([0.0, -37.5, 0.0])]);
+        let point = |u: f64| json!({"position": [u, 0, 0], "normal": [0, 0, 1]});
+        let job = json!({"kind": "tape-cut", "input": {"tape": {"width_mm": 75, "thickness_mm": 0.125},
+            "boundary": {"points": points}, "tracks": [{"number": 1, "points": [point(0.0), point(500.0)]}],
+            "options": {"tolerance_mm": tolerance}}});
+        let lift = |cutter: usize| (format!("/cutters/{cutter}/blade/lift_angle_deg"), json!(lift_deg));
+        let lifts = [lift(0), lift(1)];
+        let lifts: Vec<(&str, Value)> =
+            lifts.iter().map(|(at, value)| (at.as_str(), value.clone())).collect();
+        let outcome = plan_job(&job, &lab_with(&lifts), &json!({"tolerance_mm": tolerance})).unwrap();
+        assert_eq!(outcome.verdict, Verdict::Usable, "{:?}", outcome.findings);
+        outcome.programs[0].text.matches("M64 P0").count()
+            + outcome.programs[0].text.matches("M64 P1").count()
+    };
+    // One stroke for each end, and one more where the knife comes up.
+    assert_eq!(corner(&[(14.0, 0.025), (28.0, 1.0)], 0.005, 15.0), 3);
+    assert_eq!(corner(&[(14.0, 0.1), (28.0, 1.0)], 0.005, 15.0), 2);
+    assert_eq!(corner(&[(25.0, 0.028), (50.0, 1.0)], 0.01, 30.0), 3);
+    let fillet: Vec<(f64, f64)> =
+        (1..=8).map(|step| (f64::from(step) * 10.0, 0.06 * 10.0_f64.to_radians())).collect();
+    assert!(corner(&fillet, 0.001, 15.0) > 3);
+}

@@ -71,8 +71,10 @@ struct Fit {
     rate: Vector3,
     bending: Vector3,
     normal_rate: Vector3,
-    /// Every so many points were fitted.
-    stride: usize,
+    /// From the point to where the course passes it, in mm: nothing unless points close together were averaged.
+    shift: Vector3,
+    /// Over how much of the course it was fitted, in mm.
+    reach_mm: f64,
     /// How far a fitted point is off at the most, in mm, and a normal.
     off: [f64; 2],
 }
@@ -83,21 +85,21 @@ impl Curve {
     #[must_use]
     pub fn through(course: &Course, width_mm: f64, beyond_mm: f64) -> Self {
         let chords = cumulative_chords(&course.points);
-        let widest = widest_stride(&chords, width_mm);
-        let fits: Vec<Fit> =
-            (0..course.points.len()).map(|index| fit(course, &chords, index, widest)).collect();
+        let fits = fits(course, &chords, width_mm);
         let mut nodes: Vec<Node> = Vec::with_capacity(fits.len());
         for (index, fit) in fits.iter().enumerate() {
             let s = match nodes.last() {
                 None => 0.0,
                 Some(last) => last.station.s + arc_length(course, &chords, &fits, index),
             };
-            nodes.push(node(s, course.points[index], course.normals[index], fit));
+            nodes.push(node(s, course.points[index] + fit.shift, course.normals[index], fit));
         }
         let length = nodes[nodes.len() - 1].station.s;
-        let fitted = |fit: &Fit| window_width(nodes.len(), fit.stride) + 1;
-        let after = continuation(&nodes[nodes.len() - fitted(&fits[fits.len() - 1])..], 1.0, beyond_mm);
-        let mut before = continuation(&nodes[..fitted(&fits[0])], -1.0, beyond_mm);
+        let from_start = |node: &Node| node.station.s <= fits[0].reach_mm;
+        let to_end = |node: &Node| node.station.s < length - fits[fits.len() - 1].reach_mm;
+        let [first, last] = [nodes.partition_point(from_start), nodes.partition_point(to_end)];
+        let after = continuation(&nodes[last.min(nodes.len() - 2)..], 1.0, beyond_mm);
+        let mut before = continuation(&nodes[..first.max(2)], -1.0, beyond_mm);
         before.reverse();
         before.extend(nodes);
         before.extend(after);
@@ -157,12 +159,6 @@ impl Curve {
     pub fn longest_step(&self) -> f64 {
         self.nodes.windows(2).map(|pair| pair[1].station.s - pair[0].station.s).fold(0.0, f64::max)
     }
-
-    /// The largest geodesic curvature in 1/mm: how much the tape is steered within its own plane.
-    #[must_use]
-    pub fn steering(&self) -> f64 {
-        self.nodes.iter().map(|node| node.bend.geodesic.abs()).fold(0.0, f64::max)
-    }
 }
 
 /// How far, about and at the most, places within a tape of that width may be off because the points of its course are so
@@ -199,55 +195,96 @@ fn cumulative_chords(points: &[Point3]) -> Vec<f64> {
     chords
 }
 
-/// Every how many points a fit takes in at the most.
-fn widest_stride(chords: &[f64], width_mm: f64) -> usize {
-    let steps = chords.len() - 1;
-    let step_mm = chords[steps] / steps as f64;
-    let wanted = (2.0 * width_mm / step_mm) as usize / (2 * REACH);
-    wanted.min(steps / (2 * REACH)).max(1)
+/// The fits at all points: over the nearest points, or over more of the course where they are rounded and that is as good.
+/// Then the course bends no more sharply than a polynomial of the degree can say.
+fn fits(course: &Course, chords: &[f64], width_mm: f64) -> Vec<Fit> {
+    let count = chords.len();
+    let nearest = |index: usize| -> Vec<usize> {
+        let (first, last) = window(index, count);
+        (first..=last).collect()
+    };
+    // The curve goes through points that are as exact as they look, or that stand for themselves.
+    let through = |fit: Fit| Fit { shift: Vector3::zeros(), ..fit };
+    let narrow = |index: usize| through(fit_of::<NEAREST>(course, chords, index, &nearest(index)));
+    let mut fits: Vec<Fit> = (0..count).map(narrow).collect();
+    let rounding = [0, 1].map(|what| median(fits.iter().map(|fit| fit.off[what]).collect()));
+    if rounding[0] < EXACT_MM {
+        return fits;
+    }
+    let most = [0, 1].map(|what| ROUGHER * rounding[what] + SMOOTH[what]);
+    for (index, fit) in fits.iter_mut().enumerate() {
+        let wide = [2.0, 1.0, 0.5].into_iter().filter_map(|widths| {
+            let rows = spread(chords, index, widths * width_mm, &nearest(index))?;
+            Some(fit_of::<MOST_ROWS>(course, chords, index, &rows))
+        });
+        let good = |wide: &Fit| wide.off[0] <= most[0] && wide.off[1] <= most[1];
+        if let Some(wide) = wide.into_iter().find(good) {
+            *fit = wide;
+        }
+    }
+    fits
 }
 
-/// The widest fit that is as good as the narrowest: then the course bends no more sharply than a polynomial of the degree
-/// can say, and what points are off is rounding.
-fn fit(course: &Course, chords: &[f64], index: usize, widest: usize) -> Fit {
-    let narrow = fit_every(course, chords, index, 1);
-    let good = |wide: &Fit| (0..2).all(|what| wide.off[what] <= ROUGHER * narrow.off[what] + SMOOTH[what]);
-    let halved = std::iter::successors(Some(widest), |stride| Some(stride / 2));
-    let wide = halved.take_while(|stride| *stride > 1).map(|stride| fit_every(course, chords, index, stride));
-    let wide = wide.into_iter().find(good);
-    wide.unwrap_or(narrow)
+fn median(mut numbers: Vec<f64>) -> f64 {
+    let middle = numbers.len() / 2;
+    *numbers.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
+/// Points off their polynomial by less, in mm, were hardly rounded: a wider fit could only lose.
+const EXACT_MM: f64 = 1e-5;
 /// The same rounding leaves points of one fit farther off than those of another: seldom by more than so many times.
 const ROUGHER: f64 = 3.0;
-/// What points, in mm, and normals may be off however good the narrowest fit is.
+/// What points, in mm, and normals may be off however good the fit over the nearest is.
 const SMOOTH: [f64; 2] = [5e-6, 1e-8];
+/// The rows of a fit over the nearest points, and of any.
+const NEAREST: usize = 2 * REACH + 1;
+const MOST_ROWS: usize = NEAREST + SPREAD;
+/// So many points of a wide fit lie at even distances along the course.
+const SPREAD: usize = 24;
 
-/// Least squares with polynomials that are orthogonal on the window's own points (Forsythe 1957): each coefficient for
+/// The nearest points and others at even distances over so much of the course around a point, shifted inward at the ends;
+/// `None` if there are no others.
+fn spread(chords: &[f64], index: usize, reach_mm: f64, nearest: &[usize]) -> Option<Vec<usize>> {
+    let length = chords[chords.len() - 1];
+    let from = (chords[index] - reach_mm / 2.0).min(length - reach_mm).max(0.0);
+    let step = reach_mm.min(length - from) / (SPREAD - 1) as f64;
+    let at = |row: usize| {
+        let goal = from + step * row as f64;
+        let after = chords.partition_point(|chord| *chord < goal).clamp(1, chords.len() - 1);
+        if goal - chords[after - 1] < chords[after] - goal { after - 1 } else { after }
+    };
+    let mut rows: Vec<usize> = (0..SPREAD).map(at).chain(nearest.iter().copied()).collect();
+    rows.sort_unstable();
+    rows.dedup();
+    (rows.len() > nearest.len()).then_some(rows)
+}
+
+/// Least squares with polynomials that are orthogonal on the points that are fitted (Forsythe 1957): each coefficient for
 /// itself, without a system of equations.
-fn fit_every(course: &Course, chords: &[f64], index: usize, stride: usize) -> Fit {
-    let (first, last) = window(index, chords.len(), stride);
-    let rows = (last - first) / stride + 1;
+fn fit_of<const N: usize>(course: &Course, chords: &[f64], index: usize, fitted: &[usize]) -> Fit {
+    let (first, last) = (fitted[0], fitted[fitted.len() - 1]);
     // A parameter within [-1, 1] keeps the numbers well conditioned.
     let scale = (chords[last] - chords[index]).max(chords[index] - chords[first]);
-    let mut at = [0.0; ROWS];
-    let (mut points, mut normals) = ([Vector3::zeros(); ROWS], [Vector3::zeros(); ROWS]);
-    for row in 0..rows {
-        let fitted = first + row * stride;
-        at[row] = (chords[fitted] - chords[index]) / scale;
-        points[row] = course.points[fitted] - course.points[index];
-        normals[row] = course.normals[fitted];
+    let mut at = [0.0; N];
+    let (mut points, mut normals) = ([Vector3::zeros(); N], [Vector3::zeros(); N]);
+    for (row, &place) in fitted.iter().enumerate() {
+        at[row] = (chords[place] - chords[index]) / scale;
+        points[row] = course.points[place] - course.points[index];
+        normals[row] = course.normals[place];
     }
-    let mut basis = Orthogonal::first(rows);
+    let mut basis = Orthogonal::<N>::first(fitted.len());
     let zero = Vector3::zeros();
-    let mut fit = Fit { rate: zero, bending: zero, normal_rate: zero, stride, off: [0.0; 2] };
+    let reach_mm = chords[last] - chords[first];
     let (middle, middle_normal) = (basis.times(&points), basis.times(&normals));
+    let shift = middle / basis.squared;
+    let mut fit = Fit { rate: zero, bending: zero, normal_rate: zero, shift, reach_mm, off: [0.0; 2] };
     basis.leave(&mut points, &middle);
     basis.leave(&mut normals, &middle_normal);
-    for _ in 0..DEGREE.min(rows - 1) {
+    for _ in 0..DEGREE.min(fitted.len() - 1) {
         basis.advance(&at);
         let (along_points, along_normals) = (basis.times(&points), basis.times(&normals));
         let (slope, bending) = (basis.slope / basis.squared, basis.bending / basis.squared);
+        fit.shift += along_points * (basis.value / basis.squared);
         fit.rate += along_points * slope;
         fit.bending += along_points * bending;
         fit.normal_rate += along_normals * slope;
@@ -262,9 +299,9 @@ fn fit_every(course: &Course, chords: &[f64], index: usize, stride: usize) -> Fi
 }
 
 /// One of a row of polynomials that are orthogonal on some points, with what the next one follows from.
-struct Orthogonal {
+struct Orthogonal<const N: usize> {
     /// Its values at the points; 0 beyond them.
-    values: [f64; ROWS],
+    values: [f64; N],
     /// The sum of their squares.
     squared: f64,
     /// Value, first and second derivative at 0.
@@ -272,26 +309,26 @@ struct Orthogonal {
     slope: f64,
     bending: f64,
     /// The one before, which is 0 for the first: values, the sum of their squares, and what it is at 0.
-    before: ([f64; ROWS], f64, [f64; 3]),
+    before: ([f64; N], f64, [f64; 3]),
 }
 
-impl Orthogonal {
+impl<const N: usize> Orthogonal<N> {
     /// The constant 1, on so many points.
     fn first(rows: usize) -> Self {
-        let mut values = [0.0; ROWS];
+        let mut values = [0.0; N];
         values[..rows].fill(1.0);
-        let before = ([0.0; ROWS], 1.0, [0.0; 3]);
+        let before = ([0.0; N], 1.0, [0.0; 3]);
         Self { values, squared: rows as f64, value: 1.0, slope: 0.0, bending: 0.0, before }
     }
 
     /// The next: p' = (x - a) p - b q, with a and b such that it is orthogonal to p and to q, the one before.
-    fn advance(&mut self, at: &[f64; ROWS]) {
-        let along: f64 = (0..ROWS).map(|row| at[row] * self.values[row] * self.values[row]).sum();
+    fn advance(&mut self, at: &[f64; N]) {
+        let along: f64 = (0..N).map(|row| at[row] * self.values[row] * self.values[row]).sum();
         let a = along / self.squared;
         let (older, older_squared, [value, slope, bending]) = self.before;
         let b = self.squared / older_squared;
         self.before = (self.values, self.squared, [self.value, self.slope, self.bending]);
-        for row in 0..ROWS {
+        for row in 0..N {
             self.values[row] = (at[row] - a) * self.values[row] - b * older[row];
         }
         self.squared = self.values.iter().map(|value| value * value).sum();
@@ -301,7 +338,7 @@ impl Orthogonal {
     }
 
     /// What is left of something at the same points without its part of this polynomial, `along` being `times` of it.
-    fn leave(&self, others: &mut [Vector3; ROWS], along: &Vector3) {
+    fn leave(&self, others: &mut [Vector3; N], along: &Vector3) {
         let share = along / self.squared;
         for (value, other) in self.values.iter().zip(others) {
             *other -= share * *value;
@@ -309,18 +346,15 @@ impl Orthogonal {
     }
 
     /// The sum of its values times those of something else at the same points.
-    fn times(&self, others: &[Vector3; ROWS]) -> Vector3 {
+    fn times(&self, others: &[Vector3; N]) -> Vector3 {
         self.values.iter().zip(others).fold(Vector3::zeros(), |sum, (value, other)| sum + other * *value)
     }
 }
 
-/// The rows of a full window.
-const ROWS: usize = 2 * REACH + 1;
-
-/// The neighbours of a point, every so many of them, shifted inward at the ends so that a fit there has as many.
-fn window(index: usize, count: usize, stride: usize) -> (usize, usize) {
-    let width = window_width(count, stride);
-    let first = index.saturating_sub(REACH * stride).min(count - 1 - width);
+/// The neighbours of a point, shifted inward at the ends so that a fit there has as many.
+fn window(index: usize, count: usize) -> (usize, usize) {
+    let width = (2 * REACH).min(count - 1);
+    let first = index.saturating_sub(REACH).min(count - 1 - width);
     (first, first + width)
 }
 
@@ -329,7 +363,7 @@ fn arc_length(course: &Course, chords: &[f64], fits: &[Fit], index: usize) -> f6
     const GAUSS: [(f64, f64); 3] =
         [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
     let span = chords[index] - chords[index - 1];
-    let (from, to) = (course.points[index - 1], course.points[index]);
+    let [from, to] = [index - 1, index].map(|at| course.points[at] + fits[at].shift);
     let (start, end) = (fits[index - 1].rate * span, fits[index].rate * span);
     let speed = |t: f64| {
         let run = to - from;
@@ -350,11 +384,6 @@ fn node(s: f64, origin: Point3, normal: Vector3, fit: &Fit) -> Node {
     // Within its own frame a unit normal that stays square to U turns like this and no other way.
     let normal_rate = v * bend.torsion - u * bend.normal;
     Node { station: Station { s, origin, u, v, n }, bend, normal_rate }
-}
-
-/// How many steps a window reaches over.
-fn window_width(count: usize, stride: usize) -> usize {
-    (2 * REACH * stride).min(count - 1)
 }
 
 /// Nodes beyond an end of a course, outward: step by step with the bend going on to change as it does along
@@ -482,7 +511,8 @@ mod tests {
                 points: at.iter().map(|&x| Point3::new(x, value(x), 0.0)).collect(),
                 normals: at.iter().map(|&x| Vector3::new(0.0, 2.0 * value(x), 1.0)).collect(),
             };
-            let fit = fit_every(&course, &at, index, 1);
+            let (first, last) = window(index, at.len());
+            let fit = fit_of::<NEAREST>(&course, &at, index, &(first..=last).collect::<Vec<_>>());
             let (first, second) = (coefficients[0] / 10.0, 2.0 * coefficients[1] / 100.0);
             prop_assert!((fit.rate - Vector3::new(1.0, first, 0.0)).norm() < 1e-10, "{}", fit.rate);
             prop_assert!((fit.bending - Vector3::new(0.0, second, 0.0)).norm() < 1e-10, "{}", fit.bending);

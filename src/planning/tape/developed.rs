@@ -23,8 +23,6 @@ pub struct OnMould {
     pub length_mm: f64,
     /// How far, about and at the most, places may be off because the points of the course are so far apart, in mm.
     pub between_mm: f64,
-    /// The largest geodesic curvature in 1/mm: how much the tape is steered within its own plane.
-    pub steering: f64,
 }
 
 /// An outline in (u, v) of one course. A stretch of it that is not within the tape may be one place that is not known.

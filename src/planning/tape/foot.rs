@@ -17,6 +17,9 @@ pub const CONTINUED_WIDTHS: f64 = 2.0;
 const FAR_WIDTHS: f64 = 4.0;
 /// A point may lie off the course's plane by so many tape widths: half of half the width.
 const OFF_PLANE_WIDTHS: f64 = 0.25;
+/// Along the arc of a circle of so many tape widths a point half a width from the foot lies off the plane by so much:
+/// (1 - cos x) / x = 1/2 for x = 1.109, half a width over the radius.
+const TIGHTEST_WIDTHS: f64 = 0.45;
 /// Points that are so many tape widths apart are no neighbours.
 const NEIGHBOUR_WIDTHS: f64 = 1.0;
 /// Newton's method for a foot converges in a few steps or not at all.
@@ -64,11 +67,7 @@ impl Curved {
     /// What should be known of the course that this is.
     #[must_use]
     pub fn about(&self, course: &Course) -> OnMould {
-        OnMould {
-            length_mm: self.curve.length(),
-            between_mm: between_mm(course, self.width_mm),
-            steering: self.curve.steering(),
-        }
+        OnMould { length_mm: self.curve.length(), between_mm: between_mm(course, self.width_mm) }
     }
 
     /// A point for itself in (u, v).
@@ -158,15 +157,19 @@ impl Curved {
 impl Foot {
     /// A point in (u, v) of its foot's frame: `v_dev = sign(v) c phi / sin(phi)` and `u_dev = s - tau w v / 3`.
     ///
-    /// The arc touches the mould at the foot, so what a point lies off the plane there grows with the square of v. What is
+    /// The arc touches the mould at the foot, so what a point lies off the plane there grows from nothing with v. What is
     /// more than the most that a mould is allowed to curve comes from a trace or an outline that lies off the mould a little:
     /// taken for an arc it would move a point on the centre line, where v is near 0, by half as much again to one side.
     fn place(&self, point: &Point3, width_mm: f64) -> Point2 {
         let Self { station, bend, .. } = self;
         let from_foot = point - station.origin;
         let v = from_foot.dot(&station.v);
-        // As much as is allowed at half a width, by the square of v.
-        let most = OFF_PLANE_WIDTHS * 4.0 * v * v / width_mm;
+        let tightest_mm = TIGHTEST_WIDTHS * width_mm;
+        let most = if v.abs() < tightest_mm {
+            v * v / (tightest_mm + (tightest_mm * tightest_mm - v * v).sqrt())
+        } else {
+            f64::INFINITY
+        };
         let w = from_foot.dot(&station.n).clamp(-most, most);
         let chord = v.hypot(w);
         let sine = if chord > 0.0 { w.abs() / chord } else { 0.0 };
@@ -213,6 +216,19 @@ mod tests {
                 let share = v * (off / 900.0_f64).abs();
                 assert!((place.y - v).abs() < 0.005 + share, "{v}, off by {off}: {}", place.y);
                 assert!((place.x - 250.0).abs() < 0.005, "{v}, off by {off}: {}", place.x);
+            }
+        }
+    }
+
+    /// Tubes as tight as a tape may lie on, along their axis: the arc is exact however strong its curvature.
+    #[test]
+    fn a_tight_tube_is_developed_exactly() {
+        for radius in [0.455 * WIDTH_MM, 0.5 * WIDTH_MM, 0.6 * WIDTH_MM, 2.0 * WIDTH_MM] {
+            let (course, onto) = on_cylinder(radius, 0.0);
+            let curved = Curved::new(&course, WIDTH_MM);
+            for v in (-50..=50).map(f64::from) {
+                let place = curved.place(&onto(300.0, v, 0.0)).unwrap();
+                assert!((place - Point2::new(300.0, v)).norm() < 1e-9, "R {radius}, {v}: {place}");
             }
         }
     }

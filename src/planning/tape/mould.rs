@@ -11,27 +11,45 @@ use crate::planning::finding::{Code, Finding};
 use crate::planning::geometry::crossing::first_crossing_where;
 use crate::planning::geometry::polygon::{contains, nested};
 use crate::planning::geometry::{Point2, Point3};
-use crate::planning::tolerance::{CHORD_MM, SAME_POINT_MM, STEERED_STRAIN};
+use crate::planning::tolerance::{CHORD_MM, SAME_POINT_MM};
 
-/// Beyond the ends of a course so many tape widths are continued to about a hundredth of a millimetre, on cylinders and cones of
-/// R 800 and more.
+/// Beyond its ends a course is continued by this share of its own length to a few hundredths of a millimetre if its points
+/// have three decimals, and by so many tape widths, on cylinders and cones of R 800 and more.
+const CONTINUED_WELL_SHARE: f64 = 0.5;
 const CONTINUED_WELL_WIDTHS: f64 = 1.0;
 
-/// A fault of the outlines within the tape of a course, with the course's name and in its ply's place.
+/// A fault of the outlines within the tape of a course, with the course's name and in its ply's place; or that the course
+/// ends inside the ply, where that is the reason.
 #[must_use]
-pub fn named(fault: Finding, course: &Course, developed: &DevelopedPly) -> Finding {
-    let at = fault
-        .at
-        .strip_prefix("/input")
-        .map_or(fault.at.clone(), |within| format!("{}{within}", course.place.ply));
-    let ends = match developed.on_mould {
-        Some(_) if fault.code == Code::OutlineCrosses => {
-            ", or the course ends farther before the outline than it can be continued; let it reach to the ply's edge"
-        }
-        _ => "",
+pub fn named(fault: Finding, course: &Course, ply: &Ply, developed: &DevelopedPly, width_mm: f64) -> Finding {
+    let last = course.points.len() - 1;
+    let open = developed.on_mould.is_some() && matches!(fault.code, Code::OutlineCrosses | Code::HoleOutside);
+    let inside = [0, last].map(|end| open && lies_within(course, ply, end, width_mm));
+    match inside {
+        [true, true] => return ends_inside(course, width_mm, None),
+        [true, false] => return ends_inside(course, width_mm, Some(0)),
+        [false, true] => return ends_inside(course, width_mm, Some(last)),
+        [false, false] => {}
+    }
+    let at = fault.at.strip_prefix("/input").map(|within| format!("{}{within}", course.place.ply));
+    let message = format!("course {}: {}", course.label, fault.message);
+    Finding { at: at.unwrap_or(fault.at), message, ..fault }
+}
+
+/// A course that ends, at a point or at both ends, where nothing is known of the mould up to the outline.
+fn ends_inside(course: &Course, width_mm: f64, end: Option<usize>) -> Finding {
+    let place = course.place;
+    let (at, which) = match end {
+        Some(end) => (format!("{place}/points/{end}"), if end == 0 { "it begins" } else { "it ends" }),
+        None => (place.to_string(), "it begins and ends"),
     };
-    let message = format!("course {}: {}{ends}", course.label, fault.message);
-    Finding { at, message, ..fault }
+    let message = format!(
+        "course {}: {which} within the ply, more than {} mm before the outline, farther than it can be continued; let it \
+         reach to the ply's edge",
+        course.label,
+        CONTINUED_WIDTHS * width_mm
+    );
+    Finding::error(Code::OffMould, at, message)
 }
 
 /// Checks the pieces of a course.
@@ -46,14 +64,8 @@ pub fn check(
     pieces: &[Piece],
     width_mm: f64,
 ) -> Result<Vec<Finding>, Finding> {
-    if pieces.is_empty() && lies_within(course, ply) {
-        let message = format!(
-            "course {}: it lies within the ply and ends more than {} mm before the outline, farther than it can be continued; \
-             let it reach to the ply's edge",
-            course.label,
-            CONTINUED_WIDTHS * width_mm
-        );
-        return Err(Finding::error(Code::OffMould, course.place.to_string(), message));
+    if pieces.is_empty() && lies_within(course, ply, course.points.len() / 2, width_mm) {
+        return Err(ends_inside(course, width_mm, None));
     }
     crossings(course, pieces, width_mm)?;
     not_nested(course, pieces)?;
@@ -75,40 +87,47 @@ pub fn check(
         (-low).max(high - on_mould.length_mm)
     };
     let farthest = pieces.iter().map(beyond).fold(0.0, f64::max);
-    let continued = (farthest > CONTINUED_WELL_WIDTHS * width_mm).then(|| {
+    let well_mm = (CONTINUED_WELL_SHARE * on_mould.length_mm).min(CONTINUED_WELL_WIDTHS * width_mm);
+    let continued = (farthest > well_mm).then(|| {
         let message = format!(
             "the ply goes on {farthest:.1} mm beyond the end of the course, which is continued there as it bends at its end; \
-             farther than the tape is wide that may miss the mould by more than 0.01 mm. Let the course reach to the ply's edge"
+             farther than {well_mm:.1} mm that may miss the mould by more than some hundredths of a millimetre. Let the course reach to the ply's edge"
         );
         warning(Code::CourseContinued, message)
     });
-    let strain = on_mould.steering * width_mm / 2.0;
-    let steered = (strain > STEERED_STRAIN).then(|| {
-        let message = format!(
-            "it bends the tape within its own plane, to a radius of {:.0} mm: its edges would be {:.1} % longer and shorter \
-             than its middle. See whether its points and normals are right",
-            1.0 / on_mould.steering,
-            strain * 100.0
-        );
-        warning(Code::Steered, message)
-    });
-    Ok([coarse, continued, steered].into_iter().flatten().collect())
+    Ok([coarse, continued].into_iter().flatten().collect())
 }
 
-/// Whether the middle of a course, seen along its normal, lies within the ply and in no cut-out.
-fn lies_within(course: &Course, ply: &Ply) -> bool {
-    let middle = course.points.len() / 2;
-    let (place, normal) = (course.points[middle], course.normals[middle]);
-    let along = course.points[middle] - course.points[middle - 1];
+/// Whether a point of a course, seen along its normal, lies within the ply and in no cut-out, and the outline ahead and behind
+/// is farther away than a course can be continued. An outline on the other side of a tube lies around it, too, but there the
+/// surface has fallen away by more than it has gone on.
+fn lies_within(course: &Course, ply: &Ply, index: usize, width_mm: f64) -> bool {
+    let (place, normal) = (course.points[index], course.normals[index]);
+    let next = if index + 1 < course.points.len() { index + 1 } else { index - 1 };
+    let along = course.points[next] - place;
     let along = (along - normal * along.dot(&normal)).normalize();
     let across = normal.cross(&along);
-    let seen = |outline: &Vec<Point3>| -> Vec<Point2> {
+    let seen = |outline: &[Point3]| -> Vec<Point2> {
         let at = |point: &Point3| Point2::new((point - place).dot(&along), (point - place).dot(&across));
         outline.iter().map(at).collect()
     };
-    let holds = |outline: &Vec<Point3>| contains(&seen(outline), &Point2::origin());
-    holds(&ply.boundary) && !ply.holes.iter().any(holds)
+    let (outline, off) = (seen(&ply.boundary), |at: usize| (ply.boundary[at] - place).dot(&normal));
+    let count = outline.len();
+    let beside = |at: usize| {
+        let [(a, a_off), (b, b_off)] = [at, (at + 1) % count].map(|at| (outline[at], off(at)));
+        let share = a.x / (a.x - b.x);
+        let [v, off] = [a.y + share * (b.y - a.y), a_off + share * (b_off - a_off)];
+        (a.x < 0.0) == (b.x < 0.0) || off.abs() <= v.abs()
+    };
+    let ahead_mm = FAR_INSIDE_SHARE * CONTINUED_WIDTHS * width_mm;
+    let far = |at: usize| outline[at].y.abs() > width_mm / 2.0 || outline[at].x.abs() > ahead_mm;
+    (0..count).all(|at| far(at) && beside(at))
+        && contains(&outline, &Point2::origin())
+        && !ply.holes.iter().any(|hole| contains(&seen(hole), &Point2::origin()))
 }
+
+/// A chord is shorter than the way along the mould, and an outline has places between its points.
+const FAR_INSIDE_SHARE: f64 = 0.8;
 
 /// Outlines that cross within the tape.
 fn crossings(course: &Course, pieces: &[Piece], width_mm: f64) -> Result<(), Finding> {

@@ -178,7 +178,8 @@ fn pieces_of(
     let developed = develop(course, in_space, input.machine.cut_side, width)?;
     let outlines = std::iter::once(&developed.boundary).chain(&developed.holes);
     budget.spend(outlines.map(|outline| outline.places.len()).sum::<usize>() as u64)?;
-    let pieces = within_strip(&developed, width).map_err(|fault| mould::named(fault, course, &developed))?;
+    let pieces = within_strip(&developed, width)
+        .map_err(|fault| mould::named(fault, course, ply, &developed, width))?;
     if let Some(on_mould) = &developed.on_mould {
         findings.extend(mould::check(course, ply, on_mould, &pieces, width)?);
     }

@@ -10,6 +10,7 @@ use super::machine::{Cutter, Edges};
 use crate::planning::geometry::Point2;
 use crate::planning::geometry::simplify::kept;
 use crate::planning::program::number::rounded;
+use crate::planning::tolerance::{BLADE_BLEND_DEG, CORNER_MM};
 
 /// Decimals of mm and degrees in a program: a tenth of a micron, far below what any axis resolves.
 pub const DECIMALS: usize = 4;
@@ -26,6 +27,9 @@ pub struct Knot {
     /// it is the blade at the knot, and turns evenly from one to the next.
     pub blade_deg: f64,
 }
+
+/// Corners no farther apart than this, in mm, are one: so that no rounding makes them one only where they are judged.
+const SAME_CORNER_MM: f64 = CORNER_MM + 0.001;
 
 /// What a knife does between going down and coming up.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,6 +69,8 @@ pub fn strokes(
     let period = if cutter.swivels() { 360.0 } else { period_deg(cutter.edges) };
     let segments = segments(&thinned(chain, tolerance_mm), period);
     let mut strokes: Vec<Stroke> = Vec::new();
+    // How far the blade has turned in its corner, in degrees, and how far it has cut since it last turned, in mm.
+    let (mut turned_deg, mut since_mm) = (0.0, 0.0);
     let mut last_blade: Option<f64> = None;
     for segment in segments {
         let place = |point: &Point2| (rounded(x_of_u0 - point.x, DECIMALS), rounded(point.y, DECIMALS));
@@ -73,8 +79,14 @@ pub fn strokes(
             continue;
         }
         let blade_deg = rounded(segment.blade_deg, DECIMALS);
-        let sharp = last_blade.is_none_or(|last: f64| (blade_deg - last).abs() > cutter.lift_angle.degrees());
-        if sharp {
+        let turn_deg = last_blade.map_or(f64::INFINITY, |last: f64| (blade_deg - last).abs());
+        turned_deg = if since_mm > SAME_CORNER_MM { turn_deg } else { turned_deg + turn_deg };
+        if turn_deg > BLADE_BLEND_DEG {
+            since_mm = 0.0;
+        }
+        since_mm += (x1 - x0).hypot(v1 - v0);
+        if turned_deg > cutter.lift_angle.degrees() {
+            (turned_deg, since_mm) = (0.0, f64::INFINITY);
             strokes.push(Stroke { course, piece, x_of_u0, knots: vec![Knot { x: x0, v: v0, blade_deg }] });
         }
         if let Some(stroke) = strokes.last_mut() {

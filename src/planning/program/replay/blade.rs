@@ -4,13 +4,7 @@ use super::faults::Faults;
 use super::travel::{Axes, Moved, PRINTED_DEG, PRINTED_MM};
 use crate::planning::finding::Code;
 use crate::planning::tape::machine::{Cutter, Edges};
-use crate::planning::tolerance::BLADE_ALONG_CUT_DEG;
-
-/// A cut longer than this, in mm, must have its blade along it.
-///
-/// Printed digits turn a cut of this length by 0.3 degrees at most; together with what a plan may leave to
-/// turn along a cut that stays within `BLADE_ALONG_CUT_DEG`.
-const SHORT_CUT_MM: f64 = 0.03;
+use crate::planning::tolerance::{BLADE_ALONG_CUT_DEG, CORNER_MM};
 
 /// How far, in mm, printed digits can move one end of a cut against the other: both coordinates of both ends.
 const PRINTED_CUT_MM: f64 = 2.0 * PRINTED_MM * std::f64::consts::SQRT_2;
@@ -67,9 +61,9 @@ pub(super) struct Corner {
 impl Corner {
     /// The blade goes on by so much. Short steps are one corner as long as they together are short.
     fn go_on(&mut self, length_mm: f64) {
-        self.short_mm = if length_mm > SHORT_CUT_MM { 0.0 } else { self.short_mm + length_mm };
+        self.short_mm = if length_mm > CORNER_MM { 0.0 } else { self.short_mm + length_mm };
         self.since_mm += length_mm;
-        if self.since_mm > SHORT_CUT_MM {
+        if self.since_mm > CORNER_MM {
             self.turned_deg = 0.0;
         }
     }
@@ -124,11 +118,11 @@ fn turn_on_the_spot(cutter: &Cutter, cut: &Cut, corner: &mut Corner, faults: &mu
 /// turn it by up to `asin(noise / length)`.
 fn allowed_deg(cutter: &Cutter, cut: &Cut, corner: &Corner) -> f64 {
     let length_mm = cut.length_mm();
-    if length_mm > SHORT_CUT_MM {
+    if length_mm > CORNER_MM {
         return BLADE_ALONG_CUT_DEG;
     }
     let printed_deg = (cut.noise_mm / length_mm).min(1.0).asin().to_degrees();
-    let lift_deg = if corner.short_mm > SHORT_CUT_MM { 0.0 } else { cutter.lift_angle.degrees() };
+    let lift_deg = if corner.short_mm > CORNER_MM { 0.0 } else { cutter.lift_angle.degrees() };
     lift_deg.max(BLADE_ALONG_CUT_DEG) + printed_deg
 }
 
@@ -156,7 +150,7 @@ mod tests {
 
     #[test]
     fn the_length_from_which_a_blade_is_checked_leaves_room_for_printed_digits() {
-        let printed_deg = (PRINTED_CUT_MM / SHORT_CUT_MM).asin().to_degrees();
+        let printed_deg = (PRINTED_CUT_MM / CORNER_MM).asin().to_degrees();
         assert!(printed_deg + crate::planning::tolerance::BLADE_BLEND_DEG < BLADE_ALONG_CUT_DEG);
     }
 }

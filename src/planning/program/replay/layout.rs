@@ -74,14 +74,19 @@ pub fn check_layout(
 /// A piece before the leading end of the tape, or in a zone.
 fn off_the_tape(piece: &Laid, layout: &Layout<'_>, faults: &mut Faults<'_>) {
     let from_end = (layout.leading_end_mm - piece.range.1, layout.leading_end_mm - piece.range.0);
-    let before = (f64::NEG_INFINITY, 0.0);
-    for (from, to) in layout.zones_mm.iter().chain([&before]) {
+    let lies = || {
+        format!(
+            "a piece of course {} lies {:.3} to {:.3} mm from the leading end",
+            piece.course, from_end.0, from_end.1
+        )
+    };
+    if from_end.0 < -layout.within_mm {
+        faults.at_program(Code::MisplacedPiece, || format!("{}, before the tape begins", lies()));
+    }
+    for (from, to) in layout.zones_mm {
         if from_end.0 < to - layout.within_mm && *from < from_end.1 - layout.within_mm {
             faults.at_program(Code::MisplacedPiece, || {
-                format!(
-                    "a piece of course {} lies {:.3} to {:.3} mm from the leading end, where none may be from {from} to {to} mm",
-                    piece.course, from_end.0, from_end.1
-                )
+                format!("{}, where none may be from {from} to {to} mm", lies())
             });
         }
     }

@@ -128,7 +128,7 @@ fn what_no_courses_can_be_generated_for_is_refused_in_words() {
     let not_flat = (Code::NotFlat, "/input/courses".to_owned());
     assert_eq!(refused(rule(0.0, 0.0, 0.0), &bent, &[]), not_flat);
     let hole =
-        vec![Point3::new(10.0, 10.0, 0.02), Point3::new(20.0, 10.0, 0.0), Point3::new(10.0, 20.0, 0.0)];
+        vec![Point3::new(10.0, 10.0, 0.03), Point3::new(20.0, 10.0, 0.0), Point3::new(10.0, 20.0, 0.0)];
     assert_eq!(refused(rule(0.0, 0.0, 0.0), &rectangle(), &[hole]), not_flat);
     let upright = rectangle().iter().map(|point| Point3::new(point.x, 1.0, point.y)).collect();
     assert_eq!(refused(rule(0.0, 0.0, 0.0), &upright, &[]), not_flat);

@@ -6,7 +6,8 @@
 //! - two knives make one each: where they share heights both are crossed once, and beyond each is any shape of two knives.
 //!
 //! In either case what one end gains by a height the other loses, and the height is found at which the larger of both
-//! deviations is least. For a piece without other cuts there is no third case, so no other change is less.
+//! deviations is least. For a piece without other cuts there is no third case, so no other change is less if no end doubles
+//! back in v. One that does is covered by its silhouette, or left as it is.
 //!
 //! A cut that needs all knives for itself leaves none for the ends: they lie above and below it as a whole. So they do, if
 //! need be, with cuts that would leave a knife for one of them; that it could go beside is not looked at.
@@ -70,6 +71,16 @@ impl Both<'_> {
         if self.knives > 1 {
             ways.push(self.beside(clear));
         }
+        // An end that doubles back is changed as a whole where it is changed at all.
+        let kept = [self.upper, self.lower].map(|end| -end.heights().0);
+        ways.push([
+            self.upper.unchanged(),
+            self.lower.covered_within(above(kept[0].max(-clear.1)), self.knives),
+        ]);
+        ways.push([
+            self.upper.covered_within(above(kept[1].max(clear.0)), self.knives),
+            self.lower.unchanged(),
+        ]);
         ways
     }
 

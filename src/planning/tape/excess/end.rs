@@ -10,7 +10,7 @@
 
 use super::Simplified;
 use crate::planning::geometry::Point2;
-use crate::planning::tolerance::SAME_POINT_MM;
+use crate::planning::tolerance::{SAME_POINT_MM, U_REVERSAL_MM};
 
 /// A cut from edge to edge of the tape as it is looked at here: v rises along it, and the ply lies at the smaller u.
 pub(super) struct End {
@@ -66,6 +66,12 @@ impl End {
     /// Whether so many outlines have to be looked at that it takes longer than a thousandth of the most that is done.
     pub(super) fn has_many_turns(&self) -> bool {
         work(&self.ply, turns(&self.ply).len()) > MOST_WORK / 1000
+    }
+
+    /// As it is.
+    pub(super) fn unchanged(&self) -> Simplified {
+        let points = if self.turned { self.given.iter().map(|p| -*p).collect() } else { self.given.clone() };
+        Simplified { points, max_deviation_mm: 0.0, extra_area_mm2: 0.0 }
     }
 
     /// Its least change that `knives` knives can make.
@@ -213,17 +219,19 @@ fn joined(parts: &[Vec<Point2>]) -> Vec<Point2> {
     points
 }
 
-/// The points at which the outline begins to fall or to rise, without its ends.
+/// The points at which the outline begins to fall or to rise, without its ends. Steps that are no change of direction to a
+/// knife are none here either.
 fn turns(ply: &[Point2]) -> Vec<usize> {
-    let mut turns = Vec::new();
-    let mut direction = 0.0;
-    for index in 1..ply.len() {
-        let step = ply[index].x - ply[index - 1].x;
-        if step != 0.0 && step * direction < 0.0 {
-            turns.push(index - 1);
-        }
-        if step != 0.0 {
-            direction = step;
+    let (mut turns, mut direction, mut farthest) = (Vec::new(), 0.0, 0);
+    for (index, point) in ply.iter().enumerate() {
+        let step = point.x - ply[farthest].x;
+        if step * direction > 0.0 {
+            farthest = index;
+        } else if step.abs() >= U_REVERSAL_MM {
+            if direction != 0.0 {
+                turns.push(farthest);
+            }
+            (direction, farthest) = (step.signum(), index);
         }
     }
     turns

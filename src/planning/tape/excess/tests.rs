@@ -165,6 +165,40 @@ fn ends_keep_clear_of_a_cut_out_that_needs_both_knives() {
     assert_eq!(side_by_side(changed.chain([hole.as_slice()]), 1.0), 2);
 }
 
+/// Printed noise makes no turns: what is found is what is found without it.
+#[test]
+fn noise_below_a_reversal_costs_nothing() {
+    let profile = |corners: &[(f64, f64)], noise: f64| -> Vec<f64> {
+        let at = |share: f64| {
+            let pair = corners.windows(2).find(|pair| share <= pair[1].0).unwrap();
+            pair[0].1 + (pair[1].1 - pair[0].1) * (share - pair[0].0) / (pair[1].0 - pair[0].0)
+        };
+        (0..300).map(|i| at(f64::from(i) / 299.0) + noise * f64::from((i * 7919) % 11 - 5) / 5.0).collect()
+    };
+    let most = |noise: f64| {
+        let lower = profile(&[(0.0, 100.0), (0.5, 100.0), (0.75, 130.0), (1.0, 90.0)], noise);
+        let upper = profile(&[(0.0, 125.0), (0.25, 110.0), (0.5, 145.0), (1.0, 145.0)], noise);
+        let ends = [start(&lower), cut(&upper)];
+        let half = half(&ends[1]);
+        let found = changes(&[&ends[0], &ends[1]], &[], half, 2);
+        let changed: Vec<&[Point2]> = found.iter().flatten().map(|end| end.points.as_slice()).collect();
+        assert!(changed.len() == 2 && side_by_side(changed.into_iter(), half) <= 2);
+        found.iter().flatten().map(|end| end.max_deviation_mm).fold(0.0, f64::max)
+    };
+    assert!((most(0.0005) - most(0.0)).abs() < 0.01, "{} {}", most(0.0005), most(0.0));
+}
+
+/// An end that doubles back in v and is one chain stays as it is where the other can keep clear of it.
+#[test]
+fn an_end_that_doubles_back_need_not_be_filled() {
+    let points = |list: &[(f64, f64)]| list.iter().map(|&(u, v)| Point2::new(u, v)).collect::<Vec<_>>();
+    let upper = points(&[(200.0, -37.5), (210.0, 20.0), (220.0, -20.0), (230.0, 37.5)]);
+    let lower = points(&[(196.0, 37.5), (204.0, 28.0), (100.0, -37.5)]);
+    let found = changes(&[&lower, &upper], &[], 37.5, 1);
+    let most = found.iter().flatten().map(|end| end.max_deviation_mm).fold(0.0, f64::max);
+    assert!(most <= 8.0 + 1e-6, "{most}");
+}
+
 #[test]
 fn very_many_turns_take_no_longer_than_they_may() {
     let teeth: Vec<f64> = (0..1200).map(|i| if i % 2 == 0 { f64::from(i % 7) } else { 30.0 }).collect();
