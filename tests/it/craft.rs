@@ -293,6 +293,11 @@ fn the_sheet_of_a_part_of_a_roll_and_of_a_dry_run_says_so_first() {
     let before = rows().filter(|row| row.contains("cut before, not by this program")).count();
     assert_eq!(rows().count() - before, 5, "{part}");
     assert!(before > 0 && !whole.contains("cut before"));
+    // With knives given freely a piece that the other knife was to finish is finished here.
+    let free = planned(EXAMPLE, &lab(), json!({"allocation": "free", "from_course": 15}));
+    let freely = &free.attachments.iter().find(|text| text.name == "setup.md").unwrap().text;
+    let of_16 = freely.lines().find(|line| line.contains("| 16 | 1 |")).unwrap();
+    assert!(of_16.ends_with("| begun before, finished by this program |"), "{of_16}");
     let fed = |sheet: &str| -> f64 {
         let row = sheet.lines().find(|line| line.starts_with("| tape fed by this program")).unwrap();
         row.split('|').nth(2).unwrap().trim().trim_end_matches(" mm").parse().unwrap()

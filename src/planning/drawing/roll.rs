@@ -67,7 +67,7 @@ impl<'a> RollSheet<'a> {
         });
         let range = ranges.reduce(|one, other| (one.0.min(other.0), one.1.max(other.1))).unwrap_or_default();
         let zones = zones(plan, input, range.0);
-        let range = (range.0, zones.iter().fold(range.1, |high, zone| high.max(zone.1)));
+        let range = (range.0, range.1.max(plan.leading_end_mm));
         let scale = scale_of(range.1 - range.0, input.width.mm());
         let tick = round_step(TICK_MM * scale);
         let work = knife_work(plan, input);

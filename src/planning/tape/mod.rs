@@ -52,6 +52,7 @@ use self::input::TapeInput;
 use self::label::CourseLabel;
 use self::plan::{PlannedPiece, TapePlan};
 use self::report::TapeReport;
+use self::restart::Made;
 use self::trace::PlantedTrace;
 use super::budget::Budget;
 use super::document::files::Files;
@@ -145,6 +146,8 @@ struct Written {
     trace: PlantedTrace,
     /// What an earlier run has cut, in roll coordinates, where the program goes on from a course.
     before: Vec<Vec<[f64; 2]>>,
+    /// What it makes of each piece, where it goes on from a course.
+    made: Option<Made>,
     finding: Option<Finding>,
 }
 
@@ -178,11 +181,12 @@ fn write(
     let kept = input.from_course.map(|_| strokes.clone());
     let mut bound_time_s = timeline::bound_s(&strokes, machine);
     let whole = timeline::merge(strokes, machine, input.tolerance.mm())?;
-    let (mut program, mut before) = (whole, Vec::new());
+    let (mut program, mut before, mut made) = (whole, Vec::new(), None);
     if let Some((course, mut strokes)) = input.from_course.zip(kept) {
         let restart = restart::from_course(&program, course, machine, plan.figures.lead_mm);
         restart::Restart { program, before } = restart.map_err(|fault| vec![fault])?;
-        let later = |stroke: &stroke::Stroke| stroke.knots[0].x >= program.start.feed_mm;
+        made = Some(restart::made(&strokes, program.start.feed_mm));
+        let later = |stroke: &stroke::Stroke| restart::is_later(stroke, program.start.feed_mm);
         strokes.iter_mut().for_each(|strokes| strokes.retain(later));
         bound_time_s = timeline::bound_s(&strokes, machine);
     }
@@ -190,7 +194,7 @@ fn write(
     let cutting = input.dry_run.then(|| nc::emit::emit(&program, machine, input_sha256));
     program.dry = input.dry_run;
     let text = nc::emit::emit(&program, machine, input_sha256);
-    Ok(Written { text, cutting, program, bound_time_s, trace, before, finding })
+    Ok(Written { text, cutting, program, bound_time_s, trace, before, made, finding })
 }
 
 fn finish(
@@ -213,11 +217,16 @@ fn finish(
     let mut drawings = drawings(plan, input);
     drawings.push(timeline_drawing(&written.program, &input.machine));
     budget.stage("report");
-    let Written { text, program, bound_time_s, trace, .. } = written;
+    let Written { text, program, bound_time_s, trace, made, .. } = written;
     let report = TapeReport::new(plan, input, &program, bound_time_s, figures, tips);
     let file = ProgramFile { name, dialect: language(input.machine.dialect).name, text };
-    let sheet =
-        (!any_error(&findings)).then(|| setup::sheet(plan, &program, &file, input, input_sha256, &findings));
+    let sheet = (!any_error(&findings)).then(|| {
+        setup::Sheet { plan, program: &program, input, made: made.as_ref() }.write(
+            &file,
+            input_sha256,
+            &findings,
+        )
+    });
     let attachments = trace.into_attachments().into_iter().chain(sheet).collect();
     Outcome::new("tape-cut", input_sha256, findings, vec![file], drawings, Some(report))
         .with_attachments(attachments)

@@ -1,8 +1,11 @@
 //! A program that goes on from a course: what is cut before it in the whole program counts as cut.
 
+use std::collections::BTreeMap;
+
 use super::label::CourseLabel;
 use super::machine::Machine;
 use super::offset::edge;
+use super::stroke::Stroke;
 use super::timeline::Pace;
 use crate::planning::finding::{Code, Finding};
 use crate::planning::program::moves::{Pose, Step, TapeProgram};
@@ -18,6 +21,27 @@ pub struct Restart {
     pub program: TapeProgram,
     /// What the whole program cuts before it, in roll coordinates.
     pub before: Vec<Vec<[f64; 2]>>,
+}
+
+/// How many strokes of each piece a program makes, and how many there are: by course and piece, which counts from 0.
+pub type Made = BTreeMap<(CourseLabel, usize), (usize, usize)>;
+
+/// What of the strokes of a whole program a program makes that begins with the tape so far, in mm.
+#[must_use]
+pub fn made(strokes: &[Vec<Stroke>], start_feed_mm: f64) -> Made {
+    let mut made = Made::new();
+    for stroke in strokes.iter().flatten() {
+        let (here, all) = made.entry((stroke.course, stroke.piece)).or_default();
+        *here += usize::from(is_later(stroke, start_feed_mm));
+        *all += 1;
+    }
+    made
+}
+
+/// Whether a stroke begins with the tape so far or later, in mm.
+#[must_use]
+pub fn is_later(stroke: &Stroke, start_feed_mm: f64) -> bool {
+    stroke.knots[0].x >= start_feed_mm
 }
 
 /// The part of a program that begins where a course does.

@@ -3,6 +3,7 @@
 use super::input::TapeInput;
 use super::machine::{Cutter, Dialect, Machine};
 use super::plan::TapePlan;
+use super::restart::Made;
 use super::spool::Turning;
 use crate::planning::finding::{Finding, Severity};
 use crate::planning::outcome::{Attachment, PLANNER_VERSION, ProgramFile, sha256_hex};
@@ -10,26 +11,58 @@ use crate::planning::program::moves::{Pose, Step, TapeProgram};
 use crate::planning::program::number::fixed;
 use crate::planning::units::Length;
 
-/// Writes the sheet of a program: `setup.md`. Lengths in mm with one decimal.
-#[must_use]
-pub fn sheet(
-    plan: &TapePlan,
-    program: &TapeProgram,
-    file: &ProgramFile,
-    input: &TapeInput,
-    input_sha256: &str,
-    findings: &[Finding],
-) -> Attachment {
-    let mut text = String::from("# Set-up sheet\n\n");
-    text.push_str(&no_whole_roll(program, input));
-    text.push_str(&warnings_part(findings));
-    text.push_str(&program_part(program, file, &input.machine, input_sha256));
-    text.push_str(&tape_part(plan, program, input));
-    text.push_str(&zero_part(program, &input.machine));
-    text.push_str(&plies_part(plan, input));
-    text.push_str(&manifest_part(plan, input));
-    text.push_str(&trim_part(plan, input));
-    Attachment { name: "setup.md".to_owned(), text }
+/// What a sheet is about.
+#[derive(Clone, Copy)]
+pub struct Sheet<'a> {
+    /// The whole roll.
+    pub plan: &'a TapePlan,
+    /// The program.
+    pub program: &'a TapeProgram,
+    /// What it was planned from.
+    pub input: &'a TapeInput,
+    /// What the program makes of each piece, where it goes on from a course.
+    pub made: Option<&'a Made>,
+}
+
+/// What a program does with a piece.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Cut {
+    Here,
+    /// It was begun before; this program makes the rest.
+    Finished,
+    Before,
+}
+
+impl Sheet<'_> {
+    /// Writes the sheet: `setup.md`. Lengths in mm with one decimal.
+    #[must_use]
+    pub fn write(&self, file: &ProgramFile, input_sha256: &str, findings: &[Finding]) -> Attachment {
+        let Self { plan, program, input, .. } = *self;
+        let mut text = String::from("# Set-up sheet\n\n");
+        text.push_str(&no_whole_roll(program, input));
+        text.push_str(&warnings_part(findings));
+        text.push_str(&program_part(program, file, &input.machine, input_sha256));
+        text.push_str(&tape_part(self));
+        text.push_str(&zero_part(program, &input.machine));
+        text.push_str(&plies_part(plan, input));
+        text.push_str(&manifest_part(self));
+        text.push_str(&trim_part(self));
+        Attachment { name: "setup.md".to_owned(), text }
+    }
+
+    fn cut(&self, (course, piece): (usize, usize)) -> Cut {
+        let made = self.made.and_then(|made| made.get(&(self.plan.courses[course].label, piece)));
+        match made {
+            Some((0, _)) => Cut::Before,
+            Some((here, all)) if here < all => Cut::Finished,
+            _ => Cut::Here,
+        }
+    }
+
+    /// The pieces that the program cuts, in increasing roll coordinate.
+    fn cut_here(&self) -> Vec<(usize, usize)> {
+        self.plan.order.iter().copied().filter(|place| self.cut(*place) != Cut::Before).collect()
+    }
 }
 
 /// What must be known before all else: this program is not one that cuts a whole roll.
@@ -43,8 +76,8 @@ fn no_whole_roll(program: &TapeProgram, input: &TapeInput) -> String {
     }
     if let Some(course) = input.from_course.filter(|_| program.start != input.machine.home()) {
         text.push_str(&format!(
-            "**GOES ON WITHIN A ROLL, from course {course}.** Only for the roll whose earlier courses this job's whole program has \
-             cut, and of which nothing from course {course} on is cut. Do not zero the axes: {} must read {} or less, as in \
+            "**GOES ON WITHIN A ROLL, from course {course}.** Only for the roll on which this job's whole program has run up to where \
+             course {course} begins, and no farther; what the table of the cassette says was begun before, it finishes. Do not zero the axes: {} must read {} or less, as in \
              the whole program; the program begins by running there slowly.\n\n",
             input.machine.feed.axis,
             reading(&input.machine, program.start.feed_mm)
@@ -59,7 +92,10 @@ fn warnings_part(findings: &[Finding]) -> String {
     if warnings.is_empty() {
         return String::new();
     }
-    let named = warnings.iter().take(MOST_WARNINGS).map(|warning| format!("- {}\n", cell(&warning.message)));
+    let named = warnings
+        .iter()
+        .take(MOST_WARNINGS)
+        .map(|warning| format!("- {} (at {})\n", cell(&warning.message), cell(&warning.at)));
     let named = named.collect::<String>();
     let more = match warnings.len().saturating_sub(MOST_WARNINGS) {
         0 => String::new(),
@@ -79,13 +115,6 @@ fn reading(machine: &Machine, feed_mm: f64) -> String {
         Some(spool) => format!("{} degrees", fixed(spool.angle_deg(feed_mm), 1)),
         None => format!("{} mm", mm(feed_mm)),
     }
-}
-
-/// The pieces that a program cuts, in increasing roll coordinate.
-fn cut_here<'a>(plan: &'a TapePlan, input: &TapeInput) -> &'a [(usize, usize)] {
-    let last =
-        plan.order.iter().rposition(|&(course, _)| Some(plan.courses[course].label) == input.from_course);
-    &plan.order[..last.map_or(plan.order.len(), |last| last + 1)]
 }
 
 fn mm(value: f64) -> String {
@@ -128,7 +157,14 @@ fn clock(seconds: f64) -> String {
     format!("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60)
 }
 
-fn tape_part(plan: &TapePlan, program: &TapeProgram, input: &TapeInput) -> String {
+fn tape_part(sheet: &Sheet<'_>) -> String {
+    let Sheet { plan, program, input, .. } = *sheet;
+    let (begun, finished): (Vec<_>, Vec<_>) =
+        sheet.cut_here().into_iter().partition(|place| sheet.cut(*place) == Cut::Here);
+    let finished = match finished.len() {
+        0 => String::new(),
+        count => format!(", and the rest of {count} begun before"),
+    };
     let last = last_pose(program).feed_mm;
     let mut rows = vec![
         (
@@ -140,7 +176,7 @@ fn tape_part(plan: &TapePlan, program: &TapeProgram, input: &TapeInput) -> Strin
             "tape used by all pieces of the roll and the scrap between them",
             format!("{} mm", mm(plan.figures.tape_used_mm)),
         ),
-        ("pieces cut by this program", cut_here(plan, input).len().to_string()),
+        ("pieces cut by this program", format!("{}{finished}", begun.len())),
     ];
     let name = |place: Option<&(usize, usize)>| {
         place.map_or(String::new(), |&(course, piece)| {
@@ -148,8 +184,8 @@ fn tape_part(plan: &TapePlan, program: &TapeProgram, input: &TapeInput) -> Strin
         })
     };
     // The tape moves toward +U, so the largest roll coordinate passes the knives first.
-    rows.push(("first piece cut", name(cut_here(plan, input).last())));
-    rows.push(("last piece cut", name(cut_here(plan, input).first())));
+    rows.push(("first piece cut", name(begun.last())));
+    rows.push(("last piece cut", name(begun.first())));
     if !input.zones_mm.is_empty() {
         let zones = input.zones_mm.iter().map(|(from, to)| format!("{} to {} mm", mm(*from), mm(*to)));
         let zones = zones.collect::<Vec<_>>().join(", ");
@@ -253,10 +289,10 @@ fn ultrasonic(machine: &Machine) -> String {
 }
 
 /// Pieces whose outline was changed on its scrap side, and what that leaves to do; empty if there are none.
-fn trim_part(plan: &TapePlan, input: &TapeInput) -> String {
+fn trim_part(sheet: &Sheet<'_>) -> String {
     let mut rows = String::new();
-    for &(course, index) in cut_here(plan, input) {
-        let course = &plan.courses[course];
+    for (course, index) in sheet.cut_here() {
+        let course = &sheet.plan.courses[course];
         if let Some((deviation, area)) = course.pieces[index].simplified {
             let (label, piece) = (course.label, index + 1);
             rows.push_str(&format!("| {label} | {piece} | {} | {} |\n", fixed(deviation, 3), mm(area)));
@@ -303,16 +339,20 @@ fn cell(text: &str) -> String {
 }
 
 /// The last piece wound comes off the cassette first.
-fn manifest_part(plan: &TapePlan, input: &TapeInput) -> String {
+fn manifest_part(sheet: &Sheet<'_>) -> String {
+    let Sheet { plan, input, .. } = *sheet;
     let several = input.several_plies();
     let (ply, line) = if several { ("ply | ", "---|") } else { ("", "") };
     let mut text = format!(
         "## Cassette, in the order in which it gives the pieces out\n\n\
          | | {ply}course | piece | length mm | area mm2 | roll from mm | to mm | |\n|---|{line}---|---|---|---|---|---|---|\n"
     );
-    let cut_here = cut_here(plan, input).len();
     for (place, (&(course, index), (_, piece))) in plan.order.iter().zip(plan.pieces()).enumerate() {
-        let before = if place < cut_here { "" } else { "cut before, not by this program" };
+        let before = match sheet.cut((course, index)) {
+            Cut::Here => "",
+            Cut::Finished => "begun before, finished by this program",
+            Cut::Before => "cut before, not by this program",
+        };
         let marks = [before, piece.marks.words()]
             .into_iter()
             .filter(|words| !words.is_empty())
