@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::Point2;
 use super::simplify::distance_to_segment;
+use super::{Point2, Vector2};
 
 /// Where two segments meet that should not.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,16 +31,6 @@ struct Segment {
 /// A uniform grid makes the work proportional to the number of segments for outlines of even spacing.
 #[must_use]
 pub fn first_crossing(loops: &[Vec<Point2>], touch_mm: f64) -> Option<Crossing> {
-    first_crossing_where(loops, touch_mm, |_| true)
-}
-
-/// The first crossing or touch of those at places that count.
-#[must_use]
-pub fn first_crossing_where(
-    loops: &[Vec<Point2>],
-    touch_mm: f64,
-    counts: impl Fn(&Point2) -> bool,
-) -> Option<Crossing> {
     let segments: Vec<Segment> =
         loops.iter().enumerate().flat_map(|(i, points)| segments_of(i, points)).collect();
     let grid = Grid::over(&segments, touch_mm)?;
@@ -50,8 +40,7 @@ pub fn first_crossing_where(
         for cell in grid.cells_of(segment) {
             let others = cells.entry(cell).or_default();
             for &earlier in others.iter() {
-                let one = &segments[earlier];
-                if meets(one, segment, loops, touch_mm) && counts(&meeting(one, segment)) {
+                if meets(&segments[earlier], segment, loops, touch_mm) {
                     // A hash map has no order; the smallest pair is the answer whatever the order was.
                     found = Some(found.map_or((earlier, number), |best| best.min((earlier, number))));
                 }
@@ -60,6 +49,105 @@ pub fn first_crossing_where(
         }
     }
     found.map(|(one, other)| crossing_of(&segments[one], &segments[other]))
+}
+
+/// A crossing or touch of those at places that count, where most outlines have none: what runs one way for a while is seen at
+/// once to meet nothing of itself.
+#[must_use]
+pub fn any_crossing(
+    loops: &[Vec<Point2>],
+    touch_mm: f64,
+    counts: impl Fn(&Point2) -> bool,
+) -> Option<Crossing> {
+    let segments: Vec<Segment> =
+        loops.iter().enumerate().flat_map(|(i, points)| segments_of(i, points)).collect();
+    let found =
+        |one: &Segment, other: &Segment| meets(one, other, loops, touch_mm) && counts(&meeting(one, other));
+    let mut runs = runs(&segments, touch_mm);
+    for run in &runs {
+        let own = &segments[run.first..run.end];
+        let pairs =
+            own.iter().enumerate().flat_map(|(at, one)| own[at + 1..].iter().map(move |other| (one, other)));
+        if let Some((one, other)) = pairs.filter(|_| !run.one_way).find(|(one, other)| found(one, other)) {
+            return Some(crossing_of(one, other));
+        }
+    }
+    runs.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
+    for (at, run) in runs.iter().enumerate() {
+        let near = runs[at + 1..].iter().take_while(|other| other.low.x <= run.high.x);
+        for other in near.filter(|other| run.low.y <= other.high.y && other.low.y <= run.high.y) {
+            if run.goes_on_in(other, &segments) || other.goes_on_in(run, &segments) {
+                continue;
+            }
+            let ours = segments[run.first..run.end].iter().filter(|segment| other.is_near(segment, touch_mm));
+            for one in ours {
+                let theirs = &segments[other.first..other.end];
+                if let Some(other) = theirs.iter().find(|segment| found(one, segment)) {
+                    return Some(crossing_of(one, other));
+                }
+            }
+        }
+    }
+    None
+}
+
+/// Some segments of a loop, one after the other.
+struct Run {
+    loop_index: usize,
+    first: usize,
+    end: usize,
+    /// The smallest and the largest coordinates, with a margin.
+    low: Point2,
+    high: Point2,
+    /// Whether each segment goes forward along the straight way from the first point to the last.
+    one_way: bool,
+}
+
+/// So many segments are looked at together.
+const RUN: usize = 24;
+
+fn runs(segments: &[Segment], margin: f64) -> Vec<Run> {
+    let of_loops = segments.chunk_by(|one, other| one.loop_index == other.loop_index);
+    let mut first = 0;
+    let mut runs = Vec::with_capacity(segments.len() / RUN + 1);
+    for part in of_loops.flat_map(|segments| segments.chunks(RUN)) {
+        let margin = Vector2::new(margin, margin);
+        let (low, high) = part
+            .iter()
+            .fold((part[0].a, part[0].a), |(low, high), segment| (low.inf(&segment.b), high.sup(&segment.b)));
+        runs.push(Run {
+            loop_index: part[0].loop_index,
+            first,
+            end: first + part.len(),
+            low: low - margin,
+            high: high + margin,
+            one_way: is_one_way(part),
+        });
+        first += part.len();
+    }
+    runs
+}
+
+fn is_one_way(segments: &[Segment]) -> bool {
+    let way = segments[segments.len() - 1].b - segments[0].a;
+    segments.iter().all(|segment| (segment.b - segment.a).dot(&way) > 0.0)
+}
+
+impl Run {
+    /// Whether another run is the next of the same loop, and both together go one way.
+    fn goes_on_in(&self, next: &Self, segments: &[Segment]) -> bool {
+        self.end == next.first
+            && self.loop_index == next.loop_index
+            && is_one_way(&segments[self.first..next.end])
+    }
+
+    fn is_near(&self, segment: &Segment, margin: f64) -> bool {
+        let (low, high) = (segment.a.inf(&segment.b), segment.a.sup(&segment.b));
+        low.x - margin <= self.high.x
+            && self.low.x <= high.x + margin
+            && low.y - margin <= self.high.y
+            && self.low.y <= high.y + margin
+    }
 }
 
 fn segments_of(loop_index: usize, points: &[Point2]) -> impl Iterator<Item = Segment> + '_ {
@@ -171,6 +259,8 @@ fn segments_touch(one: &Segment, other: &Segment, touch_mm: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     fn points(list: &[(f64, f64)]) -> Vec<Point2> {
@@ -228,6 +318,34 @@ mod tests {
                 .find(|&(i, j)| meets(&all[i], &all[j], &loops, 1e-6));
             let found = first_crossing(&loops, 1e-6).map(|c| (c.one.1, c.other.1));
             assert_eq!(found, brute);
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+        /// Rings with noise and bays, and others beside or across them: both ways find a crossing or both find none.
+        #[test]
+        fn any_crossing_is_found_where_the_first_one_is(
+            rings in prop::collection::vec((-60.0..60.0_f64, 3..400_u32, 5.0..50.0_f64, 0.0..0.4_f64, 1..30_u32, any::<bool>()), 1..4),
+            noise in prop::collection::vec(-0.2..0.2_f64, 16)
+        ) {
+            let ring = |&(x, count, radius, depth, waves, reversed): &(f64, u32, f64, f64, u32, bool)| {
+                let mut points: Vec<Point2> = (0..count)
+                    .map(|i| {
+                        let turn = f64::from(i) / f64::from(count) * std::f64::consts::TAU;
+                        let out = radius * (1.0 + depth * (turn * f64::from(waves)).sin());
+                        Point2::new(x + out * turn.cos() + noise[(i % 16) as usize], out * turn.sin())
+                    })
+                    .collect();
+                if reversed {
+                    points.reverse();
+                }
+                points
+            };
+            let loops: Vec<Vec<Point2>> = rings.iter().map(ring).collect();
+            let first = first_crossing(&loops, 1e-6);
+            let any = any_crossing(&loops, 1e-6, |_| true);
+            prop_assert_eq!(first.is_some(), any.is_some(), "{:?} {:?}", first, any);
         }
     }
 }

@@ -8,7 +8,7 @@ use super::foot::CONTINUED_WIDTHS;
 use super::input::{Course, Ply};
 use super::piece::Piece;
 use crate::planning::finding::{Code, Finding};
-use crate::planning::geometry::crossing::first_crossing_where;
+use crate::planning::geometry::crossing::any_crossing;
 use crate::planning::geometry::polygon::{contains, nested};
 use crate::planning::geometry::{Point2, Point3};
 use crate::planning::tolerance::{CHORD_MM, SAME_POINT_MM};
@@ -131,9 +131,6 @@ const FAR_INSIDE_SHARE: f64 = 0.8;
 
 /// Outlines that cross within the tape.
 fn crossings(course: &Course, pieces: &[Piece], width_mm: f64) -> Result<(), Finding> {
-    if pieces.iter().all(is_plain) && apart(pieces.iter().map(Piece::u_range)) {
-        return Ok(());
-    }
     let open = |hole: &Vec<Point2>| hole[..hole.len() - 1].to_vec();
     let loops: Vec<Vec<Point2>> = pieces
         .iter()
@@ -141,33 +138,13 @@ fn crossings(course: &Course, pieces: &[Piece], width_mm: f64) -> Result<(), Fin
         .collect();
     // Where corners touch the tape's edge they may touch one another.
     let within = |place: &Point2| place.y.abs() < width_mm / 2.0 - SAME_POINT_MM;
-    first_crossing_where(&loops, SAME_POINT_MM, within).map_or(Ok(()), |crossing| {
+    any_crossing(&loops, SAME_POINT_MM, within).map_or(Ok(()), |crossing| {
         let message = format!(
             "course {}: within its tape the outlines cross or touch, near u {:.3} v {:.3} mm",
             course.label, crossing.place.x, crossing.place.y
         );
         Err(Finding::error(Code::OutlineCrosses, course.place.to_string(), message))
     })
-}
-
-/// Whether it is seen at once that the outline of a piece crosses nothing: each of its cuts runs one way across the tape, and
-/// they lie one behind the other.
-fn is_plain(piece: &Piece) -> bool {
-    let one_way = |cut: &[Point2]| {
-        cut.windows(2).all(|pair| pair[0].y <= pair[1].y) || cut.windows(2).all(|pair| pair[0].y >= pair[1].y)
-    };
-    let range = |cut: &[Point2]| {
-        let us = cut.iter().map(|point| point.x);
-        us.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), u| (low.min(u), high.max(u)))
-    };
-    piece.cuts().all(one_way) && apart(piece.cuts().map(range))
-}
-
-/// Whether ranges share nothing.
-fn apart(ranges: impl Iterator<Item = (f64, f64)>) -> bool {
-    let mut ranges: Vec<(f64, f64)> = ranges.collect();
-    ranges.sort_by(|a, b| a.0.total_cmp(&b.0));
-    ranges.windows(2).all(|pair| pair[0].1 < pair[1].0)
 }
 
 /// A cut-out that lies in another.
