@@ -40,7 +40,7 @@ pub fn first_crossing(loops: &[Vec<Point2>], touch_mm: f64) -> Option<Crossing> 
         for cell in grid.cells_of(segment) {
             let others = cells.entry(cell).or_default();
             for &earlier in others.iter() {
-                if meets(&segments[earlier], segment, loops, touch_mm) {
+                if meets(&segments[earlier], segment, |i| loops[i].len(), touch_mm) {
                     // A hash map has no order; the smallest pair is the answer whatever the order was.
                     found = Some(found.map_or((earlier, number), |best| best.min((earlier, number))));
                 }
@@ -54,15 +54,12 @@ pub fn first_crossing(loops: &[Vec<Point2>], touch_mm: f64) -> Option<Crossing> 
 /// A crossing or touch of those at places that count, where most outlines have none: what runs one way for a while is seen at
 /// once to meet nothing of itself.
 #[must_use]
-pub fn any_crossing(
-    loops: &[Vec<Point2>],
-    touch_mm: f64,
-    counts: impl Fn(&Point2) -> bool,
-) -> Option<Crossing> {
-    let segments: Vec<Segment> =
-        loops.iter().enumerate().flat_map(|(i, points)| segments_of(i, points)).collect();
+pub fn any_crossing(paths: &[Path<'_>], touch_mm: f64, counts: impl Fn(&Point2) -> bool) -> Option<Crossing> {
+    let segments: Vec<Segment> = paths.iter().enumerate().flat_map(|(i, path)| path.segments(i)).collect();
+    // The last segment of an open path has none behind it.
+    let count = |path: usize| if paths[path].closed { paths[path].points.len() } else { usize::MAX };
     let found =
-        |one: &Segment, other: &Segment| meets(one, other, loops, touch_mm) && counts(&meeting(one, other));
+        |one: &Segment, other: &Segment| meets(one, other, count, touch_mm) && counts(&meeting(one, other));
     let mut runs = runs(&segments, touch_mm);
     for run in &runs {
         let own = &segments[run.first..run.end];
@@ -89,6 +86,23 @@ pub fn any_crossing(
         }
     }
     None
+}
+
+/// A line of points; a closed one does not repeat its first point.
+#[derive(Debug, Clone, Copy)]
+pub struct Path<'a> {
+    /// Its points.
+    pub points: &'a [Point2],
+    /// Whether it goes on from the last to the first.
+    pub closed: bool,
+}
+
+impl<'a> Path<'a> {
+    fn segments(self, index: usize) -> impl Iterator<Item = Segment> + 'a {
+        let all = segments_of(index, self.points);
+        let open = usize::from(!self.closed);
+        all.take(self.points.len().saturating_sub(open))
+    }
 }
 
 /// Some segments of a loop, one after the other.
@@ -225,9 +239,10 @@ impl Grid {
     }
 }
 
-fn meets(one: &Segment, other: &Segment, loops: &[Vec<Point2>], touch_mm: f64) -> bool {
+/// Whether two segments meet that should not; a loop has so many segments.
+fn meets(one: &Segment, other: &Segment, count: impl Fn(usize) -> usize, touch_mm: f64) -> bool {
     if one.loop_index == other.loop_index {
-        let count = loops[one.loop_index].len();
+        let count = count(one.loop_index);
         if (one.index + 1) % count == other.index {
             return folds_back(&one.a, &one.b, &other.b, touch_mm);
         }
@@ -315,7 +330,7 @@ mod tests {
             let all: Vec<_> = segments_of(0, &loops[0]).collect();
             let brute = (0..all.len())
                 .flat_map(|i| (i + 1..all.len()).map(move |j| (i, j)))
-                .find(|&(i, j)| meets(&all[i], &all[j], &loops, 1e-6));
+                .find(|&(i, j)| meets(&all[i], &all[j], |i| loops[i].len(), 1e-6));
             let found = first_crossing(&loops, 1e-6).map(|c| (c.one.1, c.other.1));
             assert_eq!(found, brute);
         }
@@ -344,7 +359,8 @@ mod tests {
             };
             let loops: Vec<Vec<Point2>> = rings.iter().map(ring).collect();
             let first = first_crossing(&loops, 1e-6);
-            let any = any_crossing(&loops, 1e-6, |_| true);
+            let paths: Vec<Path<'_>> = loops.iter().map(|points| Path { points, closed: true }).collect();
+            let any = any_crossing(&paths, 1e-6, |_| true);
             prop_assert_eq!(first.is_some(), any.is_some(), "{:?} {:?}", first, any);
         }
     }

@@ -8,7 +8,7 @@ use super::foot::CONTINUED_WIDTHS;
 use super::input::{Course, Ply};
 use super::piece::Piece;
 use crate::planning::finding::{Code, Finding};
-use crate::planning::geometry::crossing::any_crossing;
+use crate::planning::geometry::crossing::{Path, any_crossing};
 use crate::planning::geometry::polygon::{contains, nested};
 use crate::planning::geometry::{Point2, Point3};
 use crate::planning::tolerance::{CHORD_MM, SAME_POINT_MM};
@@ -130,15 +130,15 @@ fn lies_within(course: &Course, ply: &Ply, index: usize, width_mm: f64) -> bool 
 const FAR_INSIDE_SHARE: f64 = 0.8;
 
 /// Outlines that cross within the tape.
-fn crossings(course: &Course, pieces: &[Piece], width_mm: f64) -> Result<(), Finding> {
-    let open = |hole: &Vec<Point2>| hole[..hole.len() - 1].to_vec();
-    let loops: Vec<Vec<Point2>> = pieces
-        .iter()
-        .flat_map(|piece| std::iter::once(piece.outline()).chain(piece.holes.iter().map(open)))
-        .collect();
+fn crossings<'a>(course: &Course, pieces: &'a [Piece], width_mm: f64) -> Result<(), Finding> {
+    let path = |points: &'a [Point2]| match points {
+        [first, .., last] if first == last => Path { points: &points[..points.len() - 1], closed: true },
+        _ => Path { points, closed: false },
+    };
+    let paths: Vec<Path<'_>> = pieces.iter().flat_map(Piece::cuts).map(path).collect();
     // Where corners touch the tape's edge they may touch one another.
     let within = |place: &Point2| place.y.abs() < width_mm / 2.0 - SAME_POINT_MM;
-    any_crossing(&loops, SAME_POINT_MM, within).map_or(Ok(()), |crossing| {
+    any_crossing(&paths, SAME_POINT_MM, within).map_or(Ok(()), |crossing| {
         let message = format!(
             "course {}: within its tape the outlines cross or touch, near u {:.3} v {:.3} mm",
             course.label, crossing.place.x, crossing.place.y
