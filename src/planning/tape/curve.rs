@@ -75,7 +75,7 @@ struct Fit {
     shift: Vector3,
     /// Over how much of the course it was fitted, in mm.
     reach_mm: f64,
-    /// How far a fitted point is off at the most, in mm, and a normal.
+    /// How far a fitted point is off at the most, in mm, and a normal, if that was wanted.
     off: [f64; 2],
 }
 
@@ -166,18 +166,20 @@ impl Curve {
 /// t^(d + 1) of the step; its direction is by as much, and that counts over the width.
 #[must_use]
 pub fn between_mm(course: &Course, width_mm: f64) -> f64 {
-    let steps: Vec<Vector3> = course.points.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let ways = course.points.windows(2).map(|pair| pair[1] - pair[0]);
+    let steps: Vec<(Vector3, f64)> = ways.map(|way| (way / way.norm(), way.norm())).collect();
+    // Small angles are chords of unit vectors.
+    let bends: Vec<f64> = steps.windows(2).map(|pair| (pair[1].0 - pair[0].0).norm()).collect();
     let order = match course.points.len() {
         ..4 => 2,
         count => count.min(DEGREE + 1) as i32,
     };
-    let turns = |index: usize| {
-        let of_mould = course.normals[index].angle(&course.normals[index + 1]);
-        let before = index.checked_sub(1).map_or(0.0, |before| steps[before].angle(&steps[index]));
-        let after = steps.get(index + 1).map_or(0.0, |after| steps[index].angle(after));
-        of_mould.max(before).max(after)
-    };
-    let off = (0..steps.len()).map(|index| steps[index].norm().max(width_mm) * turns(index).powi(order));
+    let off = steps.iter().enumerate().map(|(index, (_, length))| {
+        let of_mould = (course.normals[index + 1] - course.normals[index]).norm();
+        let before = index.checked_sub(1).map_or(0.0, |before| bends[before]);
+        let after = bends.get(index).copied().unwrap_or(0.0);
+        length.max(width_mm) * of_mould.max(before).max(after).powi(order)
+    });
     off.fold(0.0, f64::max)
 }
 
@@ -205,9 +207,17 @@ fn fits(course: &Course, chords: &[f64], width_mm: f64) -> Vec<Fit> {
     };
     // The curve goes through points that are as exact as they look, or that stand for themselves.
     let through = |fit: Fit| Fit { shift: Vector3::zeros(), ..fit };
-    let narrow = |index: usize| through(fit_of::<NEAREST>(course, chords, index, &nearest(index)));
+    let narrow = |index: usize| {
+        let (first, last) = window(index, count);
+        through(fit_of::<NEAREST, false>(course, chords, index, first..last + 1))
+    };
     let mut fits: Vec<Fit> = (0..count).map(narrow).collect();
-    let rounding = [0, 1].map(|what| median(fits.iter().map(|fit| fit.off[what]).collect()));
+    // A few tell how the points were rounded.
+    let some: Vec<[f64; 2]> = (0..SAMPLES.min(count))
+        .map(|sample| sample * count / SAMPLES.min(count))
+        .map(|index| fit_of::<NEAREST, true>(course, chords, index, nearest(index)).off)
+        .collect();
+    let rounding = [0, 1].map(|what| median(some.iter().map(|off| off[what]).collect()));
     if rounding[0] < EXACT_MM {
         return fits;
     }
@@ -215,7 +225,7 @@ fn fits(course: &Course, chords: &[f64], width_mm: f64) -> Vec<Fit> {
     for (index, fit) in fits.iter_mut().enumerate() {
         let wide = [2.0, 1.0, 0.5].into_iter().filter_map(|widths| {
             let rows = spread(chords, index, widths * width_mm, &nearest(index))?;
-            Some(fit_of::<MOST_ROWS>(course, chords, index, &rows))
+            Some(fit_of::<MOST_ROWS, true>(course, chords, index, rows))
         });
         let good = |wide: &Fit| wide.off[0] <= most[0] && wide.off[1] <= most[1];
         if let Some(wide) = wide.into_iter().find(good) {
@@ -230,10 +240,12 @@ fn median(mut numbers: Vec<f64>) -> f64 {
     *numbers.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
+/// So many points of a course are looked at for how they were rounded.
+const SAMPLES: usize = 17;
 /// Points off their polynomial by less, in mm, were hardly rounded: a wider fit could only lose.
 const EXACT_MM: f64 = 1e-5;
 /// The same rounding leaves points of one fit farther off than those of another: seldom by more than so many times.
-const ROUGHER: f64 = 3.0;
+const ROUGHER: f64 = 4.0;
 /// What points, in mm, and normals may be off however good the fit over the nearest is.
 const SMOOTH: [f64; 2] = [5e-6, 1e-8];
 /// The rows of a fit over the nearest points, and of any.
@@ -261,26 +273,37 @@ fn spread(chords: &[f64], index: usize, reach_mm: f64, nearest: &[usize]) -> Opt
 
 /// Least squares with polynomials that are orthogonal on the points that are fitted (Forsythe 1957): each coefficient for
 /// itself, without a system of equations.
-fn fit_of<const N: usize>(course: &Course, chords: &[f64], index: usize, fitted: &[usize]) -> Fit {
-    let (first, last) = (fitted[0], fitted[fitted.len() - 1]);
+///
+/// How far the points are off it is found where that is wanted, `OFF`.
+fn fit_of<const N: usize, const OFF: bool>(
+    course: &Course,
+    chords: &[f64],
+    index: usize,
+    fitted: impl IntoIterator<Item = usize, IntoIter: Clone + DoubleEndedIterator + ExactSizeIterator>,
+) -> Fit {
+    let fitted = fitted.into_iter();
+    let count = fitted.len();
+    let [first, last] = [fitted.clone().next(), fitted.clone().next_back()].map(|end| end.unwrap_or(index));
     // A parameter within [-1, 1] keeps the numbers well conditioned.
     let scale = (chords[last] - chords[index]).max(chords[index] - chords[first]);
     let mut at = [0.0; N];
     let (mut points, mut normals) = ([Vector3::zeros(); N], [Vector3::zeros(); N]);
-    for (row, &place) in fitted.iter().enumerate() {
+    for (row, place) in fitted.enumerate() {
         at[row] = (chords[place] - chords[index]) / scale;
         points[row] = course.points[place] - course.points[index];
         normals[row] = course.normals[place];
     }
-    let mut basis = Orthogonal::<N>::first(fitted.len());
+    let mut basis = Orthogonal::<N>::first(count);
     let zero = Vector3::zeros();
     let reach_mm = chords[last] - chords[first];
     let (middle, middle_normal) = (basis.times(&points), basis.times(&normals));
     let shift = middle / basis.squared;
     let mut fit = Fit { rate: zero, bending: zero, normal_rate: zero, shift, reach_mm, off: [0.0; 2] };
-    basis.leave(&mut points, &middle);
-    basis.leave(&mut normals, &middle_normal);
-    for _ in 0..DEGREE.min(fitted.len() - 1) {
+    if OFF {
+        basis.leave(&mut points, &middle);
+        basis.leave(&mut normals, &middle_normal);
+    }
+    for _ in 0..DEGREE.min(count - 1) {
         basis.advance(&at);
         let (along_points, along_normals) = (basis.times(&points), basis.times(&normals));
         let (slope, bending) = (basis.slope / basis.squared, basis.bending / basis.squared);
@@ -288,13 +311,17 @@ fn fit_of<const N: usize>(course: &Course, chords: &[f64], index: usize, fitted:
         fit.rate += along_points * slope;
         fit.bending += along_points * bending;
         fit.normal_rate += along_normals * slope;
-        basis.leave(&mut points, &along_points);
-        basis.leave(&mut normals, &along_normals);
+        if OFF {
+            basis.leave(&mut points, &along_points);
+            basis.leave(&mut normals, &along_normals);
+        }
     }
     fit.rate /= scale;
     fit.bending /= scale * scale;
     fit.normal_rate /= scale;
-    fit.off = [&points, &normals].map(|left| left.iter().map(Vector3::norm).fold(0.0, f64::max));
+    if OFF {
+        fit.off = [&points, &normals].map(|left| left.iter().map(Vector3::norm).fold(0.0, f64::max));
+    }
     fit
 }
 
@@ -512,7 +539,7 @@ mod tests {
                 normals: at.iter().map(|&x| Vector3::new(0.0, 2.0 * value(x), 1.0)).collect(),
             };
             let (first, last) = window(index, at.len());
-            let fit = fit_of::<NEAREST>(&course, &at, index, &(first..=last).collect::<Vec<_>>());
+            let fit = fit_of::<NEAREST, false>(&course, &at, index, (first..=last).collect::<Vec<_>>());
             let (first, second) = (coefficients[0] / 10.0, 2.0 * coefficients[1] / 100.0);
             prop_assert!((fit.rate - Vector3::new(1.0, first, 0.0)).norm() < 1e-10, "{}", fit.rate);
             prop_assert!((fit.bending - Vector3::new(0.0, second, 0.0)).norm() < 1e-10, "{}", fit.bending);
