@@ -21,7 +21,7 @@ test: lint linuxcnc vim ## Lints, then all tests
 	cargo test --locked
 
 prove: linuxcnc vim ## All tests, the random ones BLADEPLAN_ROUNDS (20) times as long
-	BLADEPLAN_ROUNDS=$(BLADEPLAN_ROUNDS) cargo test --locked --profile prove
+	BLADEPLAN_ROUNDS=$(BLADEPLAN_ROUNDS) PROPTEST_CASES=$$((256 * $(BLADEPLAN_ROUNDS))) cargo test --locked --profile prove
 
 bench: ## Measure the stages of planning
 	cargo bench --locked
