@@ -293,6 +293,16 @@ fn the_sheet_of_a_part_of_a_roll_and_of_a_dry_run_says_so_first() {
     let before = rows().filter(|row| row.contains("cut before, not by this program")).count();
     assert_eq!(rows().count() - before, 5, "{part}");
     assert!(before > 0 && !whole.contains("cut before"));
+    // Where the tape stands by the sheet the program does not run it back.
+    for number in [5, 7, 20, 28] {
+        let outcome = planned(EXAMPLE, &lab(), json!({"from_course": number}));
+        let sheet = &outcome.attachments.iter().find(|text| text.name == "setup.md").unwrap().text;
+        let said = sheet.split("U must read ").nth(1).unwrap().split(' ').next().unwrap();
+        let said: f64 = said.parse().unwrap();
+        let mut words = outcome.programs[0].text.split_whitespace();
+        let first: f64 = words.find_map(|word| word.strip_prefix('U')?.parse().ok()).unwrap();
+        assert!(said <= first && first - said < 0.0011, "{said} {first}");
+    }
     // With knives given freely a piece that the other knife was to finish is finished here.
     let free = planned(EXAMPLE, &lab(), json!({"allocation": "free", "from_course": 15}));
     let freely = &free.attachments.iter().find(|text| text.name == "setup.md").unwrap().text;

@@ -93,6 +93,21 @@ fn cut_outs_that_do_not_lie_within_the_ply_are_refused(#[case] corners: &[(f64, 
     assert!(found(&outcome, code).message.contains("course 2"), "{:?}", outcome.findings);
 }
 
+/// Beside the ply, on the other side of the mould or in the air: no course can tell where it is.
+#[rstest]
+#[case::beside(1000.0, 400.0)]
+#[case::behind(1000.0, 3000.0)]
+#[case::ahead(9000.0, 150.0)]
+fn a_cut_out_that_no_tape_goes_over_is_named(#[case] x: f64, #[case] arc: f64) {
+    let outcome = with_hole(&[(x, arc), (x + 50.0, arc), (x + 50.0, arc + 50.0), (x, arc + 50.0)]);
+    assert_eq!(outcome.verdict, Verdict::Usable);
+    let said = found(&outcome, Code::HoleOutside);
+    assert!(
+        !said.is_error() && said.at == "/input/holes/0" && said.message.starts_with("no tape goes over"),
+        "{said:?}"
+    );
+}
+
 #[test]
 fn a_cut_out_in_a_cut_out_is_refused() {
     let mut ply = ply();
@@ -195,7 +210,11 @@ fn a_course_of_too_few_points_is_named() {
             &json!({"boundary": outline(&[(0.0, 0.0), (100.0, 0.0), (100.0, 200.0), (0.0, 200.0)]), "tracks": tracks}),
         ))
     };
-    assert!(found(&hoop(2), Code::CoarseCourse).message.contains("up to 199."));
+    let coarse = found(&hoop(2), Code::CoarseCourse).clone();
+    assert!(coarse.is_error() && coarse.message.contains("up to 199."), "{coarse:?}");
+    let said = hoop(3);
+    let coarse = found(&said, Code::CoarseCourse);
+    assert!(!coarse.is_error() && said.verdict == Verdict::Usable, "{coarse:?}");
     assert!(hoop(11).findings.iter().all(|finding| finding.code != Code::CoarseCourse));
 }
 

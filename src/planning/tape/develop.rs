@@ -162,7 +162,13 @@ fn check_course(course: &Course) -> Result<(), Finding> {
             return Err(refuse(course, index, &message));
         }
         if off > END_COSINE {
-            return Err(refuse(course, index, "the normal is not square to the course"));
+            let message = format!(
+                "the normal leans {:.1} degrees along the course at its end, by more than {:.1}: see whether it is right, and \
+                 give points at closer intervals if it is",
+                off.asin().to_degrees(),
+                END_COSINE.asin().to_degrees()
+            );
+            return Err(refuse(course, index, &message));
         }
     }
     Ok(())

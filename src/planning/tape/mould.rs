@@ -7,7 +7,7 @@ use super::developed::{DevelopedPly, OnMould};
 use super::foot::CONTINUED_WIDTHS;
 use super::input::{Course, Ply};
 use super::piece::Piece;
-use crate::planning::finding::{Code, Finding};
+use crate::planning::finding::{Code, Finding, Severity};
 use crate::planning::geometry::crossing::{Path, any_crossing};
 use crate::planning::geometry::polygon::{contains, nested};
 use crate::planning::geometry::{Point2, Point3};
@@ -17,6 +17,9 @@ use crate::planning::tolerance::{CHORD_MM, SAME_POINT_MM};
 /// have three decimals, and by so many tape widths, on cylinders and cones of R 800 and more.
 const CONTINUED_WELL_SHARE: f64 = 0.5;
 const CONTINUED_WELL_WIDTHS: f64 = 1.0;
+
+/// Where places may be off by more than this, in mm, no program can be said to cut what is wanted.
+const COARSEST_MM: f64 = 1.0;
 
 /// A fault of the outlines within the tape of a course, with the course's name and in its ply's place; or that the course
 /// ends inside the ply, where that is the reason.
@@ -52,6 +55,25 @@ fn ends_inside(course: &Course, width_mm: f64, end: Option<usize>) -> Finding {
     Finding::error(Code::OffMould, at, message)
 }
 
+/// Notes which cut-outs a course meets within its tape.
+pub fn note_met(developed: &DevelopedPly, width_mm: f64, met: &mut [bool]) {
+    for (hole, met) in developed.holes.iter().zip(met) {
+        *met |= developed.on_mould.is_none()
+            || hole.places.iter().flatten().any(|place| place.y.abs() < width_mm / 2.0);
+    }
+}
+
+/// The cut-outs that no course meets. On a mould nobody else would say that they lie outside the ply.
+#[must_use]
+pub fn never_met(ply: &Ply, met: &[bool]) -> Vec<Finding> {
+    let places = (0..met.len()).filter(|&hole| !met[hole]);
+    let warning = |hole: usize| {
+        let message = "no tape goes over the cut-out: it lies outside the ply, off the mould, or where there is no course";
+        Finding::warning(Code::HoleOutside, format!("{}/holes/{hole}", ply.place), message)
+    };
+    places.map(warning).collect()
+}
+
 /// Checks the pieces of a course.
 ///
 /// # Errors
@@ -64,7 +86,8 @@ pub fn check(
     pieces: &[Piece],
     width_mm: f64,
 ) -> Result<Vec<Finding>, Finding> {
-    if pieces.is_empty() && lies_within(course, ply, course.points.len() / 2, width_mm) {
+    let ends = [0, course.points.len() - 1];
+    if pieces.is_empty() && ends.into_iter().all(|end| lies_within(course, ply, end, width_mm)) {
         return Err(ends_inside(course, width_mm, None));
     }
     crossings(course, pieces, width_mm)?;
@@ -72,16 +95,19 @@ pub fn check(
     let at = || course.place.to_string();
     let warning =
         |code, message: String| Finding::warning(code, at(), format!("course {}: {message}", course.label));
-    let coarse = (on_mould.between_mm > CHORD_MM).then(|| {
+    let coarse = (!pieces.is_empty() && on_mould.between_mm > CHORD_MM).then(|| {
         let longest =
             course.points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).fold(0.0, f64::max);
         let message = format!(
-            "its points are up to {longest:.1} mm apart, too far for how the mould turns between them: places may be off by \
+            "its points are up to {longest:.1} mm apart, too far for how it turns between them: places may be off by \
              up to about {:.2} mm. Give points at closer intervals",
             on_mould.between_mm
         );
         warning(Code::CoarseCourse, message)
     });
+    if let Some(fault) = coarse.as_ref().filter(|_| on_mould.between_mm > COARSEST_MM) {
+        return Err(Finding { severity: Severity::Error, ..fault.clone() });
+    }
     let beyond = |piece: &Piece| {
         let (low, high) = piece.u_range();
         (-low).max(high - on_mould.length_mm)

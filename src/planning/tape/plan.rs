@@ -138,9 +138,10 @@ fn pieces_of_courses(
 ) -> Result<Vec<PlannedCourse>, Vec<Finding>> {
     let mut courses = Vec::new();
     let in_space = PlyInSpace::new(&ply.boundary, &ply.holes);
+    let mut met = vec![false; ply.holes.len()];
     for course in &ply.courses {
-        let pieces =
-            pieces_of(course, ply, &in_space, input, budget, findings).map_err(|finding| vec![finding])?;
+        let pieces = pieces_of(course, ply, &in_space, input, budget, (findings, &mut met))
+            .map_err(|finding| vec![finding])?;
         if pieces.is_empty() {
             findings.push(Finding::info(
                 Code::CourseOffPly,
@@ -153,6 +154,7 @@ fn pieces_of_courses(
             courses.push(PlannedCourse { label: course.label, place: course.place, pieces });
         }
     }
+    findings.extend(mould::never_met(ply, &met));
     Ok(courses)
 }
 
@@ -172,10 +174,11 @@ fn pieces_of(
     in_space: &PlyInSpace<'_>,
     input: &TapeInput,
     budget: &Budget<'_>,
-    findings: &mut Vec<Finding>,
+    (findings, met): (&mut Vec<Finding>, &mut [bool]),
 ) -> Result<Vec<PlannedPiece>, Finding> {
     let width = input.width.mm();
     let developed = develop(course, in_space, input.machine.cut_side, width)?;
+    mould::note_met(&developed, width, met);
     let outlines = std::iter::once(&developed.boundary).chain(&developed.holes);
     budget.spend(outlines.map(|outline| outline.places.len()).sum::<usize>() as u64)?;
     let pieces = within_strip(&developed, width)

@@ -109,11 +109,12 @@ fn warnings_part(findings: &[Finding]) -> String {
 /// So many warnings are read on a sheet of paper.
 const MOST_WARNINGS: usize = 20;
 
-/// What the tape axis reads with so much tape fed.
+/// What the tape axis reads with so much tape fed, rounded down: with more the tape would run back.
 fn reading(machine: &Machine, feed_mm: f64) -> String {
+    let down = |value: f64| fixed((value * 1e3).floor() / 1e3, 3);
     match &machine.feed.spool {
-        Some(spool) => format!("{} degrees", fixed(spool.angle_deg(feed_mm), 1)),
-        None => format!("{} mm", mm(feed_mm)),
+        Some(spool) => format!("{} degrees", down(spool.angle_deg(feed_mm))),
+        None => format!("{} mm", down(feed_mm)),
     }
 }
 

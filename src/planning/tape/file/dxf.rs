@@ -161,8 +161,12 @@ impl Sorted {
         faults: &mut Faults<'_>,
     ) -> Self {
         let (mut lists, mut left, mut room) = ([Vec::new(), Vec::new()], LeftOut::default(), Room::default());
+        let mut outlined: BTreeMap<u32, &Entity<'_>> = BTreeMap::new();
         for placed in placed(content, scale, |insert| draws_on(insert, layers, content), faults) {
             let Some(list) = part_of(&placed, layers, &mut left, faults) else { continue };
+            if list == 0 {
+                outlined.extend(placed.insert.map(|insert| (insert.record.line, insert)));
+            }
             match curve_of(&placed, &mut room) {
                 Some(Ok(curve)) => lists[list].push(curve),
                 Some(Err(fault)) => faults.push(fault),
@@ -170,6 +174,7 @@ impl Sorted {
             }
             left.note_thickness(placed.entity);
         }
+        faults_of_pieces(&outlined, layers, faults);
         refuse_heights(lists.iter().flatten(), faults);
         findings.extend(left.findings(name, layers));
         Self { lists }
@@ -256,6 +261,24 @@ fn not_understood(placed: &Placed<'_>) -> Fault {
     Fault::new(Code::NotSupported, record.line, message)
 }
 
+/// Several inserts that draw on the layer of the boundary are several pieces: none is a cut-out of another.
+fn faults_of_pieces(inserts: &BTreeMap<u32, &Entity<'_>>, layers: &Chosen, faults: &mut Faults<'_>) {
+    let named = |insert: &Entity<'_>| {
+        let record = &insert.record;
+        format!("{} at line {}", quoted(value(record, 2).unwrap_or_default()), record.line)
+    };
+    if let Some((line, _)) = inserts.iter().nth(1) {
+        let which: Vec<String> = inserts.values().take(MOST_LAYERS).map(|insert| named(insert)).collect();
+        let message = format!(
+            "the drawing holds {} pieces: the blocks {} each draw on layer {}. Save each piece as a drawing of its own",
+            inserts.len(),
+            which.join(", "),
+            quoted(&layers.names[0])
+        );
+        faults.push(Fault::new(Code::NotSupported, *line, message));
+    }
+}
+
 /// All curves lie at one height, that of the first.
 fn refuse_heights<'a>(curves: impl Iterator<Item = &'a Curve>, faults: &mut Faults<'_>) {
     let mut height = None;
@@ -285,7 +308,11 @@ fn no_outline(layers: &Chosen, list: usize, content: &Content<'_>) -> Fault {
         .take(MOST_LAYERS)
         .map(|(layer, count)| format!("{} ({count} entities)", quoted(layer)))
         .collect();
-    let there = if listed.is_empty() { "it has no entities".to_owned() } else { listed.join(", ") };
+    let there = match (listed.is_empty(), content.blocks.is_empty()) {
+        (false, _) => listed.join(", "),
+        (true, true) => "it has no entities".to_owned(),
+        (true, false) => "none; it has blocks, but inserts none of them".to_owned(),
+    };
     let field = ["boundary", "cut_outs"][list];
     let message = format!(
         "no outline on layer {}; layers with entities: {there}. Name the one that is meant: \

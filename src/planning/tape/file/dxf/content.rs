@@ -190,6 +190,11 @@ impl<'a> Walk<'a> {
             "BLOCK" => {
                 self.refuse_open()?;
                 let name = value(&record, 2).unwrap_or_default().to_uppercase();
+                if let Some(first) = self.content.blocks.get(&name).and_then(|block| block.record.as_ref()) {
+                    let words =
+                        format!("the block {} is there twice, first at line {}", quoted(&name), first.line);
+                    return Err(Fault::new(Code::NotSupported, record.line, words));
+                }
                 let block = Block { record: Some(record), entities: Vec::new() };
                 self.content.blocks.insert(name.clone(), block);
                 self.block = Some(name);

@@ -19,6 +19,8 @@ pub struct Placed<'a> {
     pub layer: &'a str,
     /// Where.
     pub placing: Placing,
+    /// The insert of the drawing that it comes from.
+    pub insert: Option<&'a Entity<'a>>,
 }
 
 /// How what is drawn comes to its place: it is scaled, turned or mirrored, and moved.
@@ -101,7 +103,8 @@ pub fn placed<'a>(
 ) -> Vec<Placed<'a>> {
     let mut expansion = Expansion { content, draws, placed: Vec::new(), faults };
     for entity in &content.entities {
-        expansion.take(entity, layer_of(&entity.record), Placing::of_drawing(scale), 0);
+        let placing = Placing::of_drawing(scale);
+        expansion.take(Placed { entity, layer: layer_of(&entity.record), placing, insert: None }, 0);
     }
     expansion.placed
 }
@@ -114,11 +117,12 @@ struct Expansion<'a, 'f, 'n, D> {
 }
 
 impl<'a, D: Fn(&Entity<'a>) -> bool> Expansion<'a, '_, '_, D> {
-    fn take(&mut self, entity: &'a Entity<'a>, layer: &'a str, placing: Placing, depth: usize) {
+    fn take(&mut self, placed: Placed<'a>, depth: usize) {
+        let Placed { entity, layer, placing, insert } = placed;
         let on_paper = value(&entity.record, 67).is_some_and(|flag| flag == "1");
         if entity.record.kind != "INSERT" || on_paper || !(self.draws)(entity) {
             if self.placed.len() < MOST_PLACED {
-                self.placed.push(Placed { entity, layer, placing });
+                self.placed.push(placed);
             }
             return;
         }
@@ -127,7 +131,9 @@ impl<'a, D: Fn(&Entity<'a>) -> bool> Expansion<'a, '_, '_, D> {
             Ok((block, inner)) => {
                 for part in &block.entities {
                     let own = layer_of(&part.record);
-                    self.take(part, if own == "0" { layer } else { own }, inner, depth + 1);
+                    let layer = if own == "0" { layer } else { own };
+                    let insert = insert.or(Some(entity));
+                    self.take(Placed { entity: part, layer, placing: inner, insert }, depth + 1);
                     if self.placed.len() >= MOST_PLACED {
                         return;
                     }
@@ -151,10 +157,13 @@ impl<'a, D: Fn(&Entity<'a>) -> bool> Expansion<'a, '_, '_, D> {
         if value(record, 60).is_some_and(|flag| flag == "1") {
             return fault(Code::NotSupported, "it is invisible; show or delete it".to_owned());
         }
-        if depth >= DEEPEST || self.placed.len() + 1 >= MOST_PLACED {
-            let words = format!(
-                "blocks within blocks deeper than {DEEPEST}, or more than {MOST_PLACED} entities of them"
-            );
+        if depth >= DEEPEST {
+            let words =
+                format!("blocks within blocks, deeper than {DEEPEST}: see whether one inserts itself");
+            return fault(Code::NotSupported, words);
+        }
+        if self.placed.len() + 1 >= MOST_PLACED {
+            let words = format!("the blocks of the drawing come to more than {MOST_PLACED} entities");
             return fault(Code::NotSupported, words);
         }
         match self.content.blocks.get(&name.to_uppercase()) {

@@ -250,6 +250,16 @@ fn inserts_that_cannot_be_followed_are_named() {
         let fault = refused(L_BLOCK, &insert);
         assert!(fault.contains(says), "{fault}");
     }
+    let twice = format!("{L_BLOCK}{L_BLOCK}");
+    let fault = refused(&twice, &format!("0 INSERT;{at}"));
+    assert!(fault.contains("\"PIECE\" is there twice, first at line"), "{fault}");
+    let pocket = L_BLOCK.replace("Piece", "POCKET");
+    let both = format!("0 INSERT;{at}41 100;42 100;0 INSERT;{}", at.replace("PIECE", "pocket"));
+    let fault = refused(&format!("{L_BLOCK}{pocket}"), &both);
+    assert!(fault.contains("holds 2 pieces: the blocks \"PIECE\" at line"), "{fault}");
+    assert!(fault.contains("\"pocket\" at line"), "{fault}");
+    let none = refused(L_BLOCK, "");
+    assert!(none.contains("inserts none of them"), "{none}");
     // A block within itself, and blocks within blocks that ask for more than any drawing has.
     let itself =
         refused("0 BLOCK;2 A;10 0;20 0;0 INSERT;8 1;2 A;10 0;20 0;0 ENDBLK;", "0 INSERT;8 1;2 A;10 0;20 0;");
