@@ -95,7 +95,7 @@ fn warnings_part(findings: &[Finding]) -> String {
     let named = warnings
         .iter()
         .take(MOST_WARNINGS)
-        .map(|warning| format!("- {} (at {})\n", cell(&warning.message), cell(&warning.at)));
+        .map(|warning| format!("- {} (at {})\n", message(&warning.message), message(&warning.at)));
     let named = named.collect::<String>();
     let more = match warnings.len().saturating_sub(MOST_WARNINGS) {
         0 => String::new(),
@@ -325,9 +325,19 @@ fn plies_part(plan: &TapePlan, input: &TapeInput) -> String {
 
 /// A text from outside as plain words in a cell of a table: nothing in it is markup.
 fn cell(text: &str) -> String {
+    plain(text, |c| c.is_ascii_punctuation() && !"-.,:".contains(c))
+}
+
+/// A message, which may quote a text from outside, in a paragraph that begins with other words. It is read as it stands, too.
+fn message(text: &str) -> String {
+    plain(text, |c| "\\`*_[]<>|~&$".contains(c))
+}
+
+/// A text in which some letters stand for themselves.
+fn plain(text: &str, active: impl Fn(char) -> bool) -> String {
     let mut cell = String::new();
     for c in text.chars() {
-        if c.is_ascii_punctuation() && !"-.,:".contains(c) {
+        if active(c) {
             cell.push('\\');
         }
         // Also what turns the direction of writing around is no word.
