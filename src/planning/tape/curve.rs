@@ -8,6 +8,8 @@
 //! curvature and torsion that it ends with, and with their rate of change: on a cone of 20 degrees a helix
 //! alone would miss by 0.02 mm a tape width beyond the end.
 
+use std::ops::Range;
+
 use super::input::Course;
 use crate::planning::geometry::{Point3, Vector3};
 
@@ -201,21 +203,15 @@ fn cumulative_chords(points: &[Point3]) -> Vec<f64> {
 /// Then the course bends no more sharply than a polynomial of the degree can say.
 fn fits(course: &Course, chords: &[f64], width_mm: f64) -> Vec<Fit> {
     let count = chords.len();
-    let nearest = |index: usize| -> Vec<usize> {
-        let (first, last) = window(index, count);
-        (first..=last).collect()
-    };
     // The curve goes through points that are as exact as they look, or that stand for themselves.
     let through = |fit: Fit| Fit { shift: Vector3::zeros(), ..fit };
-    let narrow = |index: usize| {
-        let (first, last) = window(index, count);
-        through(fit_of::<NEAREST, false>(course, chords, index, first..last + 1))
-    };
+    let narrow =
+        |index: usize| through(fit_of::<NEAREST, false>(course, chords, index, window(index, count)));
     let mut fits: Vec<Fit> = (0..count).map(narrow).collect();
     // A few tell how the points were rounded.
     let some: Vec<[f64; 2]> = (0..SAMPLES.min(count))
         .map(|sample| sample * count / SAMPLES.min(count))
-        .map(|index| fit_of::<NEAREST, true>(course, chords, index, nearest(index)).off)
+        .map(|index| fit_of::<NEAREST, true>(course, chords, index, window(index, count)).off)
         .collect();
     let rounding = [0, 1].map(|what| median(some.iter().map(|off| off[what]).collect()));
     if rounding[0] < EXACT_MM {
@@ -224,7 +220,7 @@ fn fits(course: &Course, chords: &[f64], width_mm: f64) -> Vec<Fit> {
     let most = [0, 1].map(|what| ROUGHER * rounding[what] + SMOOTH[what]);
     for (index, fit) in fits.iter_mut().enumerate() {
         let wide = [2.0, 1.0, 0.5].into_iter().filter_map(|widths| {
-            let rows = spread(chords, index, widths * width_mm, &nearest(index))?;
+            let rows = spread(chords, index, widths * width_mm)?;
             Some(fit_of::<MOST_ROWS, true>(course, chords, index, rows))
         });
         let good = |wide: &Fit| wide.off[0] <= most[0] && wide.off[1] <= most[1];
@@ -256,7 +252,8 @@ const SPREAD: usize = 24;
 
 /// The nearest points and others at even distances over so much of the course around a point, shifted inward at the ends;
 /// `None` if there are no others.
-fn spread(chords: &[f64], index: usize, reach_mm: f64, nearest: &[usize]) -> Option<Vec<usize>> {
+fn spread(chords: &[f64], index: usize, reach_mm: f64) -> Option<Vec<usize>> {
+    let nearest = window(index, chords.len());
     let length = chords[chords.len() - 1];
     let from = (chords[index] - reach_mm / 2.0).min(length - reach_mm).max(0.0);
     let step = reach_mm.min(length - from) / (SPREAD - 1) as f64;
@@ -265,7 +262,7 @@ fn spread(chords: &[f64], index: usize, reach_mm: f64, nearest: &[usize]) -> Opt
         let after = chords.partition_point(|chord| *chord < goal).clamp(1, chords.len() - 1);
         if goal - chords[after - 1] < chords[after] - goal { after - 1 } else { after }
     };
-    let mut rows: Vec<usize> = (0..SPREAD).map(at).chain(nearest.iter().copied()).collect();
+    let mut rows: Vec<usize> = (0..SPREAD).map(at).chain(nearest.clone()).collect();
     rows.sort_unstable();
     rows.dedup();
     (rows.len() > nearest.len()).then_some(rows)
@@ -379,10 +376,10 @@ impl<const N: usize> Orthogonal<N> {
 }
 
 /// The neighbours of a point, shifted inward at the ends so that a fit there has as many.
-fn window(index: usize, count: usize) -> (usize, usize) {
+fn window(index: usize, count: usize) -> Range<usize> {
     let width = (2 * REACH).min(count - 1);
     let first = index.saturating_sub(REACH).min(count - 1 - width);
-    (first, first + width)
+    first..first + width + 1
 }
 
 /// Arc length of the cubic from the point before `index` to it, by Gauss's rule with three points.
@@ -538,8 +535,7 @@ mod tests {
                 points: at.iter().map(|&x| Point3::new(x, value(x), 0.0)).collect(),
                 normals: at.iter().map(|&x| Vector3::new(0.0, 2.0 * value(x), 1.0)).collect(),
             };
-            let (first, last) = window(index, at.len());
-            let fit = fit_of::<NEAREST, false>(&course, &at, index, (first..=last).collect::<Vec<_>>());
+            let fit = fit_of::<NEAREST, false>(&course, &at, index, window(index, at.len()));
             let (first, second) = (coefficients[0] / 10.0, 2.0 * coefficients[1] / 100.0);
             prop_assert!((fit.rate - Vector3::new(1.0, first, 0.0)).norm() < 1e-10, "{}", fit.rate);
             prop_assert!((fit.bending - Vector3::new(0.0, second, 0.0)).norm() < 1e-10, "{}", fit.bending);

@@ -96,13 +96,12 @@ pub fn develop(
     let stretches = || ply.loops.iter().zip(&near);
     let flat =
         Flat::of(course, stretches().flat_map(|((points, _), near)| stretches_of(points, near)).flatten());
-    let curved = flat.is_none().then(|| Curved::new(course, width_mm));
+    let mould = flat.map_or_else(|| Mould::Curved(Curved::new(course, width_mm)), Mould::Flat);
     let mut loops: Vec<DevelopedLoop> = stretches()
         .map(|((points, _), near)| {
-            taken(points, near, |part, into| match (&flat, &curved) {
-                (Some(flat), _) => flat.develop(points, part, into),
-                (None, Some(curved)) => curved.develop(points, part, into),
-                (None, None) => {}
+            taken(points, near, |part, into| match &mould {
+                Mould::Flat(flat) => flat.develop(points, part, into),
+                Mould::Curved(curved) => curved.develop(points, part, into),
             })
         })
         .collect();
@@ -110,7 +109,10 @@ pub fn develop(
         point.y *= side;
     }
     let boundary = loops.remove(0);
-    let on_mould = curved.map(|curved| curved.about(course));
+    let on_mould = match mould {
+        Mould::Flat(_) => None,
+        Mould::Curved(curved) => Some(curved.about(course)),
+    };
     Ok(DevelopedPly { boundary, holes: loops, on_mould })
 }
 
@@ -184,6 +186,12 @@ fn refuse(course: &Course, point: usize, message: &str) -> Finding {
         format!("{}/points/{point}", course.place),
         format!("course {}: {message}", course.label),
     )
+}
+
+/// What a course lies on.
+enum Mould {
+    Flat(Flat),
+    Curved(Curved),
 }
 
 /// A straight course on a flat ply.
@@ -329,11 +337,11 @@ mod tests {
     }
 
     /// A developable mould with its exact development: the plane (x, y) onto the mould and its outward normal.
-    struct Mould<'a> {
+    struct Chart<'a> {
         onto: &'a dyn Fn(f64, f64) -> (Point3, Vector3),
     }
 
-    impl Mould<'_> {
+    impl Chart<'_> {
         /// The largest error of the development of points up to `half` off a course from (0, 0) at `angle`, and
         /// up to `beyond` past its ends. Coordinates are rounded as files have them.
         fn worst_error(&self, angle: f64, length: f64, half: f64, beyond: f64) -> f64 {
@@ -394,7 +402,7 @@ mod tests {
     #[test]
     fn exact_on_a_cylinder_along_its_axis_and_its_hoop() {
         for angle in [0.0, 90.0] {
-            let worst = Mould { onto: &cylinder(800.0) }.worst_error(angle, 600.0, 150.0, 150.0);
+            let worst = Chart { onto: &cylinder(800.0) }.worst_error(angle, 600.0, 150.0, 150.0);
             assert!(worst < 1e-4, "{angle} degrees: {worst}");
         }
     }
@@ -403,7 +411,7 @@ mod tests {
     fn within_a_hundredth_on_cylinders_at_any_helix_angle() {
         for radius in [800.0, 1000.0, 5000.0] {
             for angle in [-75.0, -45.0, -20.0, 10.0, 30.0, 45.0, 60.0, 80.0] {
-                let worst = Mould { onto: &cylinder(radius) }.worst_error(angle, 600.0, 150.0, 150.0);
+                let worst = Chart { onto: &cylinder(radius) }.worst_error(angle, 600.0, 150.0, 150.0);
                 assert!(worst <= 0.01, "R {radius}, {angle} degrees: {worst}");
             }
         }
@@ -415,7 +423,7 @@ mod tests {
         let angles = [-75.0, -45.0, -20.0, 10.0, 30.0, 45.0, 60.0, 80.0];
         for (half, most) in [(75.0, 0.011), (150.0, 0.019)] {
             for angle in angles {
-                let mould = Mould { onto: &cylinder(800.0) };
+                let mould = Chart { onto: &cylinder(800.0) };
                 let worst = mould.worst_error_printed(3, angle, 600.0, half, half);
                 assert!(worst <= most, "w {}, {angle} degrees: {worst}", 2.0 * half);
             }
@@ -439,7 +447,7 @@ mod tests {
         for (stations, decimals, most) in cases.iter().flat_map(|at| [(at, 6, 1e-5), (at, 3, 2.4e-4)]) {
             for half in [37.5, 75.0, 150.0] {
                 let worst =
-                    Mould { onto: &cylinder(800.0) }.worst_error_at(stations, decimals, 34.4, half, 0.0);
+                    Chart { onto: &cylinder(800.0) }.worst_error_at(stations, decimals, 34.4, half, 0.0);
                 // By the width: the course's direction is off. Fitted over the nearest points alone it is by 7e-4.
                 assert!(worst <= most * 2.0 * half, "w {}, {decimals} decimals: {worst}", 2.0 * half);
             }
@@ -496,7 +504,7 @@ mod tests {
         let distance = 1100.0 / half_angle.to_radians().tan();
         let onto = cone(half_angle, distance);
         let errors = [0.0, 30.0, 45.0, 90.0, 120.0]
-            .map(|angle| Mould { onto: &onto }.worst_error(angle, 400.0, 150.0, 150.0));
+            .map(|angle| Chart { onto: &onto }.worst_error(angle, 400.0, 150.0, 150.0));
         errors.into_iter().fold(0.0, f64::max)
     }
 

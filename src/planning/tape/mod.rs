@@ -293,11 +293,7 @@ fn misplaced(name: &str, plan: &TapePlan, input: &TapeInput) -> Vec<Finding> {
         width_mm: input.width.mm(),
         within_mm: input.tolerance.mm() + REPLAY_SLACK_MM,
     };
-    let outline = |index: usize| {
-        let piece = pieces[index].1;
-        piece.piece.outline().iter().map(|point| [point.x + piece.offset_mm, point.y]).collect()
-    };
-    check_layout(name, &laid, outline, &layout)
+    check_layout(name, &laid, |index| pieces[index].1.outline_on_roll(), &layout)
 }
 
 /// The first line that is longer than the machine's control takes.

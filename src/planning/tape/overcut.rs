@@ -23,9 +23,8 @@ const SHORTEST_MM: f64 = 0.01;
 pub fn outlines(plan: &TapePlan) -> Vec<Vec<Vec<[f64; 2]>>> {
     let pieces = plan.pieces().map(|(_, planned)| {
         let place = |point: &Point2| [point.x + planned.offset_mm, point.y];
-        let outline = planned.piece.outline();
         let holes = planned.piece.holes.iter().map(|hole| hole.iter().map(place).collect());
-        std::iter::once(outline.iter().map(place).collect()).chain(holes).collect()
+        std::iter::once(planned.outline_on_roll()).chain(holes).collect()
     });
     pieces.collect()
 }

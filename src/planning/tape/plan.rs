@@ -418,6 +418,12 @@ fn colour_shared(courses: &mut [PlannedCourse]) {
 }
 
 impl PlannedPiece {
+    /// Its outline without its cut-outs, in roll coordinates (r, v) in mm.
+    #[must_use]
+    pub fn outline_on_roll(&self) -> Vec<[f64; 2]> {
+        self.piece.outline().iter().map(|point| [point.x + self.offset_mm, point.y]).collect()
+    }
+
     /// Whether a chain belongs to the cut that is made as the neighbour's.
     #[must_use]
     pub fn shares(&self, chain: &Chain) -> bool {

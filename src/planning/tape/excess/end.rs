@@ -99,8 +99,8 @@ impl End {
     }
 }
 
-/// The shapes that `knives` knives make besides one that only rises, each as low as it can be over the ply. Where there are very many turns, those that
-/// turn twice are left out: each pair of turns would give two of them.
+/// The shapes that `knives` knives make besides one that only rises, each as low as it can be over the ply. Where there are
+/// very many turns, those that turn twice are left out: each pair of turns would give two of them.
 fn shapes(ply: &[Point2], knives: usize) -> impl Iterator<Item = Vec<Point2>> {
     let turns = if knives < 2 { Vec::new() } else { turns(ply) };
     let top = (0..ply.len()).max_by(|&a, &b| ply[a].x.total_cmp(&ply[b].x)).unwrap_or(0);

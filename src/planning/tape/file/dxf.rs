@@ -17,7 +17,7 @@ mod spline;
 
 use std::collections::BTreeMap;
 
-use self::content::{Content, Entity, layer_key, layer_of, value};
+use self::content::{Content, Entity, is_invisible, is_on_paper, layer_key, layer_of, value};
 use self::curve::{Curve, Room, UNDERSTOOD, curve_of, described};
 use self::insert::{Placed, placed};
 use super::faults::{Fault, Faults};
@@ -228,13 +228,13 @@ fn part_of<'a>(
     faults: &mut Faults<'_>,
 ) -> Option<usize> {
     let (record, layer) = (&placed.entity.record, placed.layer);
-    let on_paper = value(record, 67).is_some_and(|flag| flag == "1");
+    let on_paper = is_on_paper(record);
     let list = layers.list(layer);
     if list.is_none() || on_paper || ANNOTATIONS.contains(&record.kind) {
         left.note(placed, on_paper);
         return None;
     }
-    if value(record, 60).is_some_and(|flag| flag == "1") {
+    if is_invisible(record) {
         let message =
             format!("{} on layer {} is invisible; show or delete it", described(record), quoted(layer));
         faults.push(Fault::new(Code::NotSupported, record.line, message));

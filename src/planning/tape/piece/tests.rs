@@ -61,20 +61,24 @@ fn a_u_shaped_ply_gives_two_pieces_in_order() {
     assert_eq!(ranges, [(0.0, 100.0), (200.0, 300.0)]);
 }
 
-#[test]
-fn what_lies_on_another_part_of_the_mould_is_outside_and_tells_no_sense() {
-    let ply = points(&[(0.0, -90.0), (300.0, -90.0), (420.0, 3.0), (310.0, 90.0), (10.0, 90.0)]);
-    for turned in [false, true] {
+/// The pieces of a ply, both ways round, some of whose points belong to another part of the mould, and of all of it.
+fn part_and_whole(ply: &[Point2], unknown_before: &[usize]) -> Vec<[Vec<Piece>; 2]> {
+    let both = [false, true].map(|turned| {
         let mut known: Vec<Developed> = ply.iter().copied().map(Some).collect();
-        known.insert(4, None);
-        known.insert(1, None);
+        unknown_before.iter().for_each(|&place| known.insert(place, None));
         if turned {
             known.reverse();
         }
-        let pieces =
-            within_strip(&DevelopedPly { boundary: known.into(), holes: vec![], on_mould: None }, 75.0)
-                .unwrap();
-        let whole = pieces_of(&ply, &[], 75.0).unwrap();
+        let part = DevelopedPly { boundary: known.into(), holes: vec![], on_mould: None };
+        [within_strip(&part, 75.0).unwrap(), pieces_of(ply, &[], 75.0).unwrap()]
+    });
+    both.to_vec()
+}
+
+#[test]
+fn what_lies_on_another_part_of_the_mould_is_outside_and_tells_no_sense() {
+    let ply = points(&[(0.0, -90.0), (300.0, -90.0), (420.0, 3.0), (310.0, 90.0), (10.0, 90.0)]);
+    for [pieces, whole] in part_and_whole(&ply, &[4, 1]) {
         assert_eq!((pieces.len(), pieces[0].sides.len()), (1, whole[0].sides.len()));
         assert!((pieces[0].area_mm2 - whole[0].area_mm2).abs() < 1e-6);
     }
@@ -84,16 +88,7 @@ fn what_lies_on_another_part_of_the_mould_is_outside_and_tells_no_sense() {
 #[test]
 fn a_first_corner_that_touches_an_edge_tells_no_sense() {
     let ply = points(&[(0.0, -37.5), (5.0, -37.4), (100.0, 37.6), (100.0, 90.0), (0.0, 90.0)]);
-    for turned in [false, true] {
-        let mut known: Vec<Developed> = ply.iter().copied().map(Some).collect();
-        known.insert(4, None);
-        if turned {
-            known.reverse();
-        }
-        let pieces =
-            within_strip(&DevelopedPly { boundary: known.into(), holes: vec![], on_mould: None }, 75.0)
-                .unwrap();
-        let whole = pieces_of(&ply, &[], 75.0).unwrap();
+    for [pieces, whole] in part_and_whole(&ply, &[4]) {
         assert_eq!(pieces.len(), 1);
         assert!((pieces[0].area_mm2 - whole[0].area_mm2).abs() < 1e-6);
     }

@@ -52,6 +52,18 @@ pub fn layer_of<'a>(record: &Record<'a>) -> &'a str {
     value(record, 8).unwrap_or("0")
 }
 
+/// Whether a record belongs to the paper, not to the drawing.
+#[must_use]
+pub fn is_on_paper(record: &Record<'_>) -> bool {
+    value(record, 67) == Some("1")
+}
+
+/// Whether a record is not shown.
+#[must_use]
+pub fn is_invisible(record: &Record<'_>) -> bool {
+    value(record, 60) == Some("1")
+}
+
 /// The value of the first pair of a code.
 #[must_use]
 pub fn value<'a>(record: &Record<'a>, code: i32) -> Option<&'a str> {

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::content::{Block, Content, Entity, layer_of, value};
+use super::content::{Block, Content, Entity, is_invisible, is_on_paper, layer_of, value};
 use super::curve::described;
 use super::fields::Fields;
 use crate::planning::document::shape::quoted;
@@ -119,8 +119,7 @@ struct Expansion<'a, 'f, 'n, D> {
 impl<'a, D: Fn(&Entity<'a>) -> bool> Expansion<'a, '_, '_, D> {
     fn take(&mut self, placed: Placed<'a>, depth: usize) {
         let Placed { entity, layer, placing, insert } = placed;
-        let on_paper = value(&entity.record, 67).is_some_and(|flag| flag == "1");
-        if entity.record.kind != "INSERT" || on_paper || !(self.draws)(entity) {
+        if entity.record.kind != "INSERT" || is_on_paper(&entity.record) || !(self.draws)(entity) {
             if self.placed.len() < MOST_PLACED {
                 self.placed.push(placed);
             }
@@ -154,7 +153,7 @@ impl<'a, D: Fn(&Entity<'a>) -> bool> Expansion<'a, '_, '_, D> {
             Err(Fault::new(code, record.line, format!("{}: {words}", described(record))))
         };
         let name = value(record, 2).unwrap_or_default();
-        if value(record, 60).is_some_and(|flag| flag == "1") {
+        if is_invisible(record) {
             return fault(Code::NotSupported, "it is invisible; show or delete it".to_owned());
         }
         if depth >= DEEPEST {
